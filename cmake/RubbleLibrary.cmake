@@ -7,6 +7,14 @@ file(GLOB rubble_core_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tables
 file(GLOB rubble_lockstep_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/lockstep/*.cpp)
 file(GLOB rubble_cuda_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/cuda/*.cu ${PROJECT_SOURCE_DIR}/src/backend/cuda/*.cpp)
 
+# Tables have another layout then, which device code does not know.
+if(RUBBLE_CHECKED)
+  if(rubble_cuda)
+    message(FATAL_ERROR "RUBBLE_CHECKED: expected a build without CUDA (-DRUBBLE_CUDA=OFF)")
+  endif()
+  add_compile_definitions(RUBBLE_CHECKED)
+endif()
+
 # What every part of the library is compiled with.
 add_library(rubble_common INTERFACE)
 target_include_directories(rubble_common INTERFACE

@@ -24,8 +24,8 @@ nlohmann::ordered_json jointJson(const JointDef& joint,
   json["type"] = keyword(joint.type);
   json["body_a"] = reference(joint.bodyA);
   json["body_b"] = reference(joint.bodyB);
-  if (joint.carrierA != kWorld) json["carrier_a"] = reference(joint.carrierA);
-  if (joint.carrierB != kWorld) json["carrier_b"] = reference(joint.carrierB);
+  if (joint.frameBodyA != kWorld) json["frame_body_a"] = reference(joint.frameBodyA);
+  if (joint.frameBodyB != kWorld) json["frame_body_b"] = reference(joint.frameBodyB);
   const JointKind& kind = kindOf(joint.type);
   const bool framed = kind.has("frame_a") || !sameBits(joint.frameA, usual.frameA) ||
                       !sameBits(joint.frameB, usual.frameB);

@@ -121,11 +121,11 @@ void addDeformables(std::span<const DrawnSoft> objects, std::vector<PictureBody>
 void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy) {
   std::vector<DrawnSoft> objects;
   const std::vector<std::vector<float>> values = vertexValues(world, colorBy);
-  for (const SoftId id : world.deformables()) {
+  for (const DeformableId id : world.deformables()) {
     World::Surface s = world.surface(id);
     objects.push_back({static_cast<std::uint32_t>(id.index), std::move(s.vertices), world.velocities(id),
                        std::move(s.triangles), std::move(s.segments), s.radius, s.spheres,
-                       std::holds_alternative<SoftDef>(world.definition(id)), values[objects.size()]});
+                       std::holds_alternative<TetSolidDef>(world.definition(id)), values[objects.size()]});
   }
   addDeformables(objects, bodies);
 }
@@ -142,7 +142,7 @@ void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies) {
                      {},
                      model->vertices[0].radius,
                      std::holds_alternative<ParticlesDef>(def),
-                     std::holds_alternative<SoftDef>(def)};
+                     std::holds_alternative<TetSolidDef>(def)};
     for (const SoftModel::Vertex& v : model->vertices)
       object.vertices.push_back(v.position), object.velocities.push_back(v.velocity);
     for (const SpringModel& s : model->list<SpringModel>()) object.segments.push_back(s.v);

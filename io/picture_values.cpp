@@ -30,11 +30,11 @@ class Places {
       ofObject_[objects_[i]] = static_cast<int>(bodies_.size() + i);
   }
   const std::vector<BodyId>& bodies() const { return bodies_; }
-  const std::vector<SoftId>& objects() const { return objects_; }
+  const std::vector<DeformableId>& objects() const { return objects_; }
   std::size_t size() const { return bodies_.size() + objects_.size(); }
   /// -1: the world, or none.
   int of(const BodyId& id) const { return found(ofBody_, id); }
-  int of(const SoftId& id) const { return found(ofObject_, id); }
+  int of(const DeformableId& id) const { return found(ofObject_, id); }
 
  private:
   template <class Map, class Id> static int found(const Map& map, const Id& id) {
@@ -42,9 +42,9 @@ class Places {
     return it == map.end() ? -1 : it->second;
   }
   std::vector<BodyId> bodies_;
-  std::vector<SoftId> objects_;
+  std::vector<DeformableId> objects_;
   std::unordered_map<BodyId, int> ofBody_;
-  std::unordered_map<SoftId, int> ofObject_;
+  std::unordered_map<DeformableId, int> ofObject_;
 };
 
 /// visit(place, place, error) for everything that joins two of them: contacts that touch, joints and
@@ -116,7 +116,7 @@ std::vector<double> materials(const World& world, const Places& places) {
     if (at == known.end()) known.push_back(material);
   };
   for (const BodyId id : places.bodies()) add(world.definition(id).material);
-  for (const SoftId id : places.objects()) add(common(world.definition(id)).material);
+  for (const DeformableId id : places.objects()) add(common(world.definition(id)).material);
   return out;
 }
 
@@ -136,7 +136,7 @@ struct Edge {
   int a, b;
   double length;  ///< at rest [m]
 };
-std::vector<Edge> edgesOf(const World& world, SoftId id) {
+std::vector<Edge> edgesOf(const World& world, DeformableId id) {
   const Deformable& def = world.definition(id);
   const std::vector<Vec3>& rest = common(def).vertices;
   std::vector<Edge> edges;
@@ -146,7 +146,7 @@ std::vector<Edge> edgesOf(const World& world, SoftId id) {
                                  : rubble::length(rest[static_cast<std::size_t>(a)] -
                                                   rest[static_cast<std::size_t>(b)])});
   };
-  if (const auto* solid = std::get_if<SoftDef>(&def)) {
+  if (const auto* solid = std::get_if<TetSolidDef>(&def)) {
     for (const auto& t : solid->tetrahedra)
       for (std::size_t i = 0; i < 4; ++i)
         for (std::size_t j = i + 1; j < 4; ++j) add(t[i], t[j]);
@@ -161,7 +161,7 @@ std::vector<Edge> edgesOf(const World& world, SoftId id) {
   return edges;
 }
 
-std::vector<float> strains(const World& world, SoftId id) {
+std::vector<float> strains(const World& world, DeformableId id) {
   const std::vector<Vec3> x = world.positions(id);
   std::vector<float> out(x.size(), 0);
   for (const Edge& e : edgesOf(world, id)) {
@@ -173,7 +173,7 @@ std::vector<float> strains(const World& world, SoftId id) {
   return out;
 }
 
-std::vector<float> ofVertices(const World& world, SoftId id, ColorBy by) {
+std::vector<float> ofVertices(const World& world, DeformableId id, ColorBy by) {
   std::vector<float> out;
   if (by == ColorBy::Strain) return strains(world, id);
   if (by == ColorBy::Speed)
@@ -234,7 +234,7 @@ std::vector<double> bodyValues(const World& world, ColorBy by) {
 }
 
 std::vector<std::vector<float>> vertexValues(const World& world, ColorBy by) {
-  const std::vector<SoftId> objects = world.deformables();
+  const std::vector<DeformableId> objects = world.deformables();
   std::vector<std::vector<float>> out(objects.size());
   if (by == ColorBy::Body || objects.empty()) return out;
   if (isOfPlaces(by)) {

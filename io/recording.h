@@ -38,7 +38,7 @@ struct RecordedBody {
 /// What is drawn of a deformable object. Triangles that tear and springs that break are gone.
 struct RecordedSoft {
   std::string name;
-  SoftId id;
+  DeformableId id;
   int vertices = 0;
   std::vector<std::array<int, 3>> triangles;
   std::vector<std::array<int, 2>> segments;

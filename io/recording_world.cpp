@@ -16,12 +16,12 @@ std::vector<RecordedBody> recordedBodies(const World& world) {
 
 std::vector<RecordedSoft> recordedSofts(const World& world) {
   std::vector<RecordedSoft> softs;
-  for (const SoftId id : world.deformables()) {
+  for (const DeformableId id : world.deformables()) {
     World::Surface s = world.surface(id);
     const Deformable& definition = world.definition(id);
     softs.push_back({common(definition).name, id, static_cast<int>(s.vertices.size()), std::move(s.triangles),
                      std::move(s.segments), s.radius, s.spheres,
-                     std::holds_alternative<SoftDef>(definition)});
+                     std::holds_alternative<TetSolidDef>(definition)});
   }
   return softs;
 }
@@ -29,7 +29,7 @@ std::vector<RecordedSoft> recordedSofts(const World& world) {
 namespace {
 
 void addVertices(RecordedFrame& frame, const World& world) {
-  for (const SoftId id : world.deformables()) {
+  for (const DeformableId id : world.deformables()) {
     const std::vector<Vec3> places = world.positions(id);
     frame.vertices.insert(frame.vertices.end(), places.begin(), places.end());
   }
@@ -62,7 +62,7 @@ std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameInde
   /// Bodies and deformable objects of a frame, with their numbers of vertices.
   struct Present {
     std::vector<BodyId> bodies;
-    std::vector<std::pair<SoftId, int>> softs;
+    std::vector<std::pair<DeformableId, int>> softs;
     bool operator==(const Present&) const = default;
   };
   const auto presentIn = [&](int index) {

@@ -109,8 +109,8 @@ JointDef SceneReader::joint(const Node& node, const Scene& scene) {
     const std::size_t before = faults_.size();
     if (a) out.bodyA = bodyIndex(*a, scene);
     if (b) out.bodyB = bodyIndex(*b, scene);
-    if (const auto carrier = object.get("carrier_a")) out.carrierA = bodyIndex(*carrier, scene);
-    if (const auto carrier = object.get("carrier_b")) out.carrierB = bodyIndex(*carrier, scene);
+    if (const auto frameBody = object.get("frame_body_a")) out.frameBodyA = bodyIndex(*frameBody, scene);
+    if (const auto frameBody = object.get("frame_body_b")) out.frameBodyB = bodyIndex(*frameBody, scene);
     if (a && b && faults_.size() == before && out.bodyA == out.bodyB)
       node.faultText("expected two different bodies, got one twice");
     readJoint(object, out, scene);
@@ -199,7 +199,7 @@ Event::Turn SceneReader::turn(const Node& node) {
   if (const auto found = object.get("target_position")) out.targetPosition = found->number();
   if (const auto found = object.get("target_speed")) out.targetSpeed = found->number();
   if (const auto found = object.get("length")) out.length = found->number();
-  if (const auto found = object.get("grab_to")) out.grabTo = found->vector();
+  if (const auto found = object.get("drag_to")) out.dragTo = found->vector();
   object.finish();
   return out;
 }

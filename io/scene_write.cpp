@@ -151,7 +151,7 @@ Json SceneWriter::event(const Event& event) const {
     if (turn.targetPosition) entry["target_position"] = *turn.targetPosition;
     if (turn.targetSpeed) entry["target_speed"] = *turn.targetSpeed;
     if (turn.length) entry["length"] = *turn.length;
-    if (turn.grabTo) entry["grab_to"] = vectorJson(*turn.grabTo);
+    if (turn.dragTo) entry["drag_to"] = vectorJson(*turn.dragTo);
     json["set_joint"].push_back(std::move(entry));
   }
   return json;

@@ -195,14 +195,14 @@ Deformable readDeformable(const Node& node, const std::function<Material(const N
   Deformable out;
   ObjectReader object(node, "a deformable object");
   if (!object.isObject()) return out;
-  const auto type = object.need("type", "\"soft\", \"cloth\", \"rod\", \"net\" or \"particles\"");
+  const auto type = object.need("type", "\"tet_solid\", \"cloth\", \"cable\", \"net\" or \"particles\"");
   if (!type) return out;
   const auto kind = type->choice({std::begin(kDeformableKeywords), std::end(kDeformableKeywords)});
   if (!kind) return out;
   if (*kind == 1)
     out = ClothDef{};
   else if (*kind == 2)
-    out = RodDef{};
+    out = CableDef{};
   else if (*kind == 3)
     out = NetDef{};
   else if (*kind == 4)

@@ -16,15 +16,15 @@ struct MeshUse {
   Vec3 position;       ///< [m]
   Quat orientation;    ///< mesh -> world
   double cell = 0;     ///< width of the cells that a surface is filled with; 0: not given [m]
-  double segment = 0;  ///< length of the segments of a rod; 0: not given [m]
+  double segment = 0;  ///< length of the segments of a cable; 0: not given [m]
 
   Vec3 place(const Vec3& x) const { return position + rotate(orientation, scale * x); }
 };
 
-void fill(const Node& node, const MeshUse& use, MeshFile mesh, SoftDef& out) {
+void fill(const Node& node, const MeshUse& use, MeshFile mesh, TetSolidDef& out) {
   if (!mesh.tetrahedra.empty()) {
     if (use.cell > 0) return node.child("cell").faultText("expected no cell: the file has tetrahedra");
-    SoftDef made = softFromMesh(tetrahedraOf(mesh));
+    TetSolidDef made = tetSolidFromMesh(tetrahedraOf(mesh));
     out.vertices = std::move(made.vertices), out.tetrahedra = std::move(made.tetrahedra);
     return;
   }
@@ -44,13 +44,13 @@ void fill(const Node& node, const MeshUse& use, MeshFile mesh, ClothDef& out) {
   ClothDef made = clothFromMesh(mesh.surface());
   out.vertices = std::move(made.vertices), out.triangles = std::move(made.triangles);
 }
-void fill(const Node& node, const MeshUse& use, MeshFile mesh, RodDef& out) {
+void fill(const Node& node, const MeshUse& use, MeshFile mesh, CableDef& out) {
   if (mesh.lines.empty()) return node.child("file").faultText("expected a line, got none in " + use.file);
   std::vector<Vec3> points = lineOf(mesh, use.file);
   const bool closed = points.size() > 3 && points.front() == points.back();
   if (closed) points.pop_back();
   out.closed = closed;
-  out.vertices = use.segment > 0 ? rodAlong(points, use.segment, closed).vertices : points;
+  out.vertices = use.segment > 0 ? cableAlong(points, use.segment, closed).vertices : points;
 }
 template <class D> void fill(const Node& node, const MeshUse&, const MeshFile&, D&) {
   node.faultText("expected no mesh: solids, sheets and rods have one");
@@ -67,9 +67,9 @@ void readMeshInto(const Node& node, const std::string& folder, Deformable& out) 
   object.read("scale", use.scale, {0, false, std::numeric_limits<double>::infinity(), "a number above 0"});
   object.read("position", use.position);
   if (const auto found = object.get("orientation")) use.orientation = readOrientation(*found);
-  if (std::holds_alternative<SoftDef>(out))
+  if (std::holds_alternative<TetSolidDef>(out))
     object.read("cell", use.cell, {0, false, std::numeric_limits<double>::infinity(), "a width above 0 [m]"});
-  if (std::holds_alternative<RodDef>(out))
+  if (std::holds_alternative<CableDef>(out))
     object.read("segment", use.segment,
                 {0, false, std::numeric_limits<double>::infinity(), "a length above 0 [m]"});
   object.finish();

@@ -35,14 +35,14 @@ void addArrow(const Vec3& from, const Vec3& way, std::uint32_t rgb, std::vector<
 class Vertices {
  public:
   explicit Vertices(const World& world) : world_(world) {}
-  const Vec3& of(SoftId object, int vertex) {
+  const Vec3& of(DeformableId object, int vertex) {
     if (object != object_ || positions_.empty()) positions_ = world_.positions(object), object_ = object;
     return positions_[static_cast<std::size_t>(vertex)];
   }
 
  private:
   const World& world_;
-  SoftId object_;
+  DeformableId object_;
   std::vector<Vec3> positions_;
 };
 

@@ -184,7 +184,7 @@ double freePeriod(Vec3 moments, const Vec3& w) {
 class FreePeriodProbe final : public Probe {
  public:
   void start(const World& world) override {
-    const MassProperties mass = world.massOf(world.find("body"));
+    const MassProperties mass = world.massOf(world.findBody("body"));
     exact_ = freePeriod(mass.inertia, spinOf(world));
     middle_ = spinOf(world).y;
   }
@@ -202,7 +202,7 @@ class FreePeriodProbe final : public Probe {
 
  private:
   static Vec3 spinOf(const World& world) {
-    const BodyId id = world.find("body");
+    const BodyId id = world.findBody("body");
     const BodyState s = world.state(id);
     return rotateInverse(s.orientation * world.massOf(id).axes, s.angularVelocity);
   }

@@ -155,7 +155,7 @@ namespace {
 /// Of a sphere about the shape's origin that holds it [m].
 double radiusOf(const Shape& shape) {
   const CookedShape cooked = cook(shape);
-  return cooked.radius + length(cooked.unit.centre);
+  return cooked.radius + length(cooked.unit.center);
 }
 
 struct Bounds {

@@ -39,7 +39,7 @@ std::vector<Spec> fastSpecs();           ///< bullets against plates
 std::vector<Spec> bodySpecs();           ///< damping, locked axes, layers, sensors, sleep
 std::vector<Spec> removalSpecs();        ///< stacks whose support goes
 std::vector<Spec> scaleSpecs();          ///< joints by the ten thousand
-std::vector<Spec> jointAxisSpecs();  ///< hinges, springs, motors, ropes, breakage, grab: one axis at a time
+std::vector<Spec> jointAxisSpecs();  ///< hinges, springs, motors, ropes, breakage, drag: one axis at a time
 std::vector<Spec> machineSpecs();    ///< crank, gears, rack, pulley, universal shaft, platform
 std::vector<Spec> gearSpecs();       ///< gears and racks whose axes move
 std::vector<Spec> topSpecs();        ///< fast tops

@@ -105,8 +105,8 @@ class LayersProbe final : public Probe {
     double error = 0;
     for (int layer = 0; layer < 4; ++layer) {
       const double rest = layer < 3 ? 2 + 2.0 * layer + .1 + .5 : .5;
-      error = std::max(error,
-                       std::fabs(world.state(world.find("cube" + std::to_string(layer))).position.z - rest));
+      error = std::max(
+          error, std::fabs(world.state(world.findBody("cube" + std::to_string(layer))).position.z - rest));
     }
     metrics["rest_error_m"] = error;
   }
@@ -135,7 +135,7 @@ class GateProbe final : public Probe {
  public:
   explicit GateProbe(int balls) : balls_(balls) {}
   void afterStep(const World& world, const StepReport&) override {
-    const BodyId gate = world.find("gate");
+    const BodyId gate = world.findBody("gate");
     for (const ContactEvent& e : world.events().contacts) {
       if (!e.sensor || (e.a != gate && e.b != gate)) continue;
       in_ += e.phase == Phase::Begin, out_ += e.phase == Phase::End;

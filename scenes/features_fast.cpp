@@ -36,14 +36,15 @@ Scene build(const Arguments& arguments) {
 class OverPlate final : public Probe {
  public:
   void afterStep(const World& world, const StepReport&) override {
-    const BodyState plate = world.state(world.find("plate")), bullet = world.state(world.find("bullet"));
+    const BodyState plate = world.state(world.findBody("plate")),
+                    bullet = world.state(world.findBody("bullet"));
     const Vec3 x = rotateInverse(plate.orientation, bullet.position - plate.position);
     if (std::fabs(x.x) < kHalfPlate.x && std::fabs(x.y) < kHalfPlate.y) least_ = std::min(least_, x.z);
   }
   void finish(const World& world, Metrics& metrics) override {
     metrics["height_min_m"] = least_;
-    metrics["through_m_s"] = world.state(world.find("plate")).velocity.z -
-                             world.state(world.find("bullet")).velocity.z;
+    metrics["through_m_s"] = world.state(world.findBody("plate")).velocity.z -
+                             world.state(world.findBody("bullet")).velocity.z;
   }
 
  private:

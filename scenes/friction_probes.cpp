@@ -15,7 +15,7 @@ class StopProbe final : public Probe {
       : gravity_(length(scene.gravity)), sliders_(std::move(sliders)) {}
 
   void start(const World& world) override {
-    for (const Slider& slider : sliders_) first_.push_back(world.state(world.find(slider.body)));
+    for (const Slider& slider : sliders_) first_.push_back(world.state(world.findBody(slider.body)));
   }
 
   void finish(const World& world, Metrics& metrics) override {
@@ -25,7 +25,7 @@ class StopProbe final : public Probe {
       const double speed = first_[i].velocity.x;
       const double mu = sliders_[i].friction;
       const double exact = speed * speed / (2 * mu * gravity_) - speed * h / 2;
-      const double way = world.state(world.find(sliders_[i].body)).position.x - first_[i].position.x;
+      const double way = world.state(world.findBody(sliders_[i].body)).position.x - first_[i].position.x;
       double& error = mu <= 1 ? low : high;
       error = std::max(error, std::fabs(way / exact - 1));
     }
@@ -73,7 +73,7 @@ class RampProbe final : public Probe {
  private:
   std::vector<Vec3> positions(const World& world) const {
     std::vector<Vec3> result;
-    for (const RampBox& box : boxes_) result.push_back(world.state(world.find(box.body)).position);
+    for (const RampBox& box : boxes_) result.push_back(world.state(world.findBody(box.body)).position);
     return result;
   }
 

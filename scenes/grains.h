@@ -1,5 +1,5 @@
 #pragma once
-#include <rubble/soft.h>
+#include <rubble/deformables.h>
 
 namespace rubble::scenes {
 

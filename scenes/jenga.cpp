@@ -39,7 +39,7 @@ Scene buildJenga(const Arguments&) {
     const int body = 1 + kRow * level + 1;
     const Vec3 way = level % 2 ? Vec3{0, 1, 0} : Vec3{1, 0, 0},
                from = scene.bodies[static_cast<std::size_t>(body)].position + kBlock.x * way;
-    JointDef& hand = join(scene, JointType::Grab, body, kWorld, from, way, "hand" + std::to_string(level));
+    JointDef& hand = join(scene, JointType::Drag, body, kWorld, from, way, "hand" + std::to_string(level));
     hand.stiffness = 4e4, hand.dampingRatio = 1, hand.maxForce = kHandForce;
     for (int k = 0; k < kPullSteps; k += 2, step += 2) {
       Event event;

@@ -59,7 +59,7 @@ std::unique_ptr<Probe> jointErrorProbe(double from) {
 }
 
 JointState jointOf(const World& world, const std::string& name) { return world.state(world.findJoint(name)); }
-BodyState bodyOf(const World& world, const std::string& name) { return world.state(world.find(name)); }
+BodyState bodyOf(const World& world, const std::string& name) { return world.state(world.findBody(name)); }
 
 int put(Scene& scene, BodyDef body, const std::string& name) {
   if (!name.empty()) body.name = name;

@@ -201,9 +201,10 @@ Probes breakProbes(const Arguments&, const Scene&) {
   return probes;
 }
 
-/// A cube is dragged over the ground by a grab that moves; one beside it is too heavy for the same force.
-constexpr double kGrabForce = 60;
-Scene buildGrab(const Arguments&) {
+/// A cube is dragged over the ground by a drag joint that moves; one beside it is too heavy for the same
+/// force.
+constexpr double kDragForce = 60;
+Scene buildDrag(const Arguments&) {
   Scene scene = emptyScene(kUpZ, kG);
   put(scene, ground(kUpZ, 0, .5));
   for (int i = 0; i < 2; ++i) {
@@ -212,13 +213,13 @@ Scene buildGrab(const Arguments&) {
     BodyDef cube = box({.5, .5, .5}, {0, y, .5}, mass);
     cube.material = {.5, .5, 0};
     const int body = put(scene, cube, i == 0 ? "light" : "heavy");
-    JointDef& grab = join(scene, JointType::Grab, body, kWorld, {.5, y, .5}, {1, 0, 0},
-                          i == 0 ? "grab" : "vain");
-    grab.stiffness = 400, grab.dampingRatio = 1, grab.maxForce = kGrabForce;
+    JointDef& drag = join(scene, JointType::Drag, body, kWorld, {.5, y, .5}, {1, 0, 0},
+                          i == 0 ? "drag" : "vain");
+    drag.stiffness = 400, drag.dampingRatio = 1, drag.maxForce = kDragForce;
     for (int step = 30; step <= 150; step += 2) {
       Event event;
       event.step = step;
-      event.setJoint.push_back({grab.name, 0, {}, {}, {}, Vec3{.5 + 3 * (step - 30) / 120., y, .5}});
+      event.setJoint.push_back({drag.name, 0, {}, {}, {}, Vec3{.5 + 3 * (step - 30) / 120., y, .5}});
       scene.events.push_back(event);
     }
   }
@@ -227,8 +228,8 @@ Scene buildGrab(const Arguments&) {
 Probes grabProbes(const Arguments&, const Scene&) {
   Probes probes;
   probes.push_back(everyStep([](const World& world, const StepReport&, Metrics& metrics) {
-    for (const char* name : {"grab", "vain"})
-      raise(metrics, "force_peak_ratio", length(jointOf(world, name).force) / kGrabForce);
+    for (const char* name : {"drag", "vain"})
+      raise(metrics, "force_peak_ratio", length(jointOf(world, name).force) / kDragForce);
   }));
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
     metrics["dragged_m"] = bodyOf(world, "light").position.x;
@@ -283,8 +284,8 @@ std::vector<Spec> jointAxisSpecs() {
                  within("events", 5, 5, "each is reported once"),
                  within("wrong_events", 0, 0, "and it is the one that broke")},
                 180),
-      jointSpec("grab", "A grab of 60 N drags a cube over the ground, and a heavy one in vain.", buildGrab,
-                grabProbes,
+      jointSpec("drag", "A drag joint of 60 N pulls a cube over the ground, and a heavy one in vain.",
+                buildDrag, grabProbes,
                 {within("dragged_m", 2.8, 3.05, "the light one follows, behind by friction over stiffness"),
                  atMost("heavy_moved_m", .01, "friction holds the other"),
                  atMost("force_peak_ratio", 1.0001, "the force stays in its bound")},

@@ -22,9 +22,9 @@ BodyDef disc(double radius, double halfWidth, const Vec3& position, const Vec3& 
   body.mass = mass;
   return body;
 }
-JointDef& gear(Scene& scene, int a, int b, int carrier, double ratio, const std::string& name) {
+JointDef& gear(Scene& scene, int a, int b, int frameBody, double ratio, const std::string& name) {
   JointDef& joint = join(scene, JointType::Gear, a, b, {}, kY, name);
-  joint.carrierA = joint.carrierB = carrier;
+  joint.frameBodyA = joint.frameBodyB = frameBody;
   joint.ratio = ratio;
   return joint;
 }

@@ -151,7 +151,7 @@ Scene buildChains(const Arguments& arguments) {
       join(scene, JointType::Ball, part, before, top - Vec3{.01, 0, 0});
       before = part;
     }
-    scene.deformables.push_back(softBall(jellyAt(k), kJelly, 5));
+    scene.deformables.push_back(tetBall(jellyAt(k), kJelly, 5));
   }
   return scene;
 }

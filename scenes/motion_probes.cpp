@@ -50,7 +50,8 @@ class LengthProbe final : public MomentProbe {
 
  private:
   void measure(const World& world, Metrics& metrics) override {
-    metrics["length_m"] = length(world.state(world.find(a_)).position - world.state(world.find(b_)).position);
+    metrics["length_m"] = length(world.state(world.findBody(a_)).position -
+                                 world.state(world.findBody(b_)).position);
   }
 
   std::string a_, b_;
@@ -171,13 +172,13 @@ class ImpactProbe final : public Probe {
   Vec3 momentum(const World& world) const {
     Vec3 sum;
     for (const std::string& name : {a_, b_}) {
-      const BodyId id = world.find(name);
+      const BodyId id = world.findBody(name);
       sum += world.massOf(id).mass * world.state(id).velocity;
     }
     return sum;
   }
   Vec3 closing(const World& world) const {
-    return world.state(world.find(a_)).velocity - world.state(world.find(b_)).velocity;
+    return world.state(world.findBody(a_)).velocity - world.state(world.findBody(b_)).velocity;
   }
 
   std::string a_, b_;

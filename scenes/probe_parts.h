@@ -33,7 +33,7 @@ class BodyProbe : public Probe {
  public:
   explicit BodyProbe(std::string name) : name_(std::move(name)) {}
   void start(const World& world) override {
-    id_ = world.find(name_);
+    id_ = world.findBody(name_);
     first_ = world.state(id_);
   }
 

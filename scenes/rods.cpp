@@ -11,14 +11,14 @@
 namespace rubble::scenes {
 namespace {
 
-double shearModulus(const SegmentRodDef& rod) { return rod.youngsModulus / (2 * (1 + rod.poissonRatio)); }
+double shearModulus(const RodDef& rod) { return rod.youngsModulus / (2 * (1 + rod.poissonRatio)); }
 
 // A rod that a motor twists.
 
 constexpr double kRodLength = 1, kTorque = .02, kGravity = 10;  // [m], [N m], [m/s2]
 
-SegmentRodDef twistedRod(const Arguments& arguments) {
-  SegmentRodDef rod;
+RodDef twistedRod(const Arguments& arguments) {
+  RodDef rod;
   const int pieces = whole(arguments, "segments");
   for (int i = 0; i <= pieces; ++i) rod.points.push_back({kRodLength * i / pieces, 0, 0});
   rod.name = "rod";
@@ -48,7 +48,7 @@ Scene buildTwist(const Arguments& arguments) {
 
 /// How far a body has turned about x since the beginning [rad].
 double turnAboutX(const World& world, const BodyDef& start) {
-  const Quat q = world.state(world.find(start.name)).orientation * conjugate(start.orientation);
+  const Quat q = world.state(world.findBody(start.name)).orientation * conjugate(start.orientation);
   return 2 * std::atan2(q.s < 0 ? -q.v.x : q.v.x, std::fabs(q.s));
 }
 
@@ -62,7 +62,7 @@ Spec twistSpec() {
       quantity("youngs_modulus", 4e5, 2e5, 1e9, "Pa", "of the rod")};
   spec.build = buildTwist;
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
-    const SegmentRodDef rod = twistedRod(arguments);
+    const RodDef rod = twistedRod(arguments);
     const double wanted = kTorque * kRodLength /
                           (shearModulus(rod) * std::numbers::pi * std::pow(rod.radius, 4) / 2);
     const int pieces = whole(arguments, "segments");
@@ -89,8 +89,8 @@ Spec twistSpec() {
 
 constexpr double kCoilRadius = .05, kPitch = .02, kWeight = 10;  // [m], [N]
 
-SegmentRodDef coil(const Arguments& arguments) {
-  SegmentRodDef rod;
+RodDef coil(const Arguments& arguments) {
+  RodDef rod;
   const int turns = whole(arguments, "turns"), around = whole(arguments, "segments");
   for (int i = 0; i <= turns * around; ++i) {
     const double angle = 2 * std::numbers::pi * i / around;
@@ -107,7 +107,7 @@ SegmentRodDef coil(const Arguments& arguments) {
 
 Scene buildCoil(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, kGravity);
-  SegmentRodDef rod = coil(arguments);
+  RodDef rod = coil(arguments);
   BodyDef load;
   load.name = "load";
   load.shape = Shape::cylinder(.06, .02);
@@ -120,7 +120,7 @@ Scene buildCoil(const Arguments& arguments) {
   scene.bodies.push_back(load);
   rod.start = kWorld;
   rod.end = 0;
-  const SegmentRod made = addRod(scene, rod);
+  const RodParts made = addRod(scene, rod);
   for (int i = 0; i < made.bodies; ++i) {
     scene.bodies[static_cast<std::size_t>(made.firstBody + i)].gravityScale = 0;
     scene.bodies[static_cast<std::size_t>(made.firstBody + i)].filter.group = -1;
@@ -135,13 +135,13 @@ Spec coilSpec() {
   spec.arguments = {count("turns", 6, 1, 100, "turns n"), count("segments", 20, 6, 200, "pieces of a turn")};
   spec.build = buildCoil;
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
-    const SegmentRodDef rod = coil(arguments);
+    const RodDef rod = coil(arguments);
     const double stiffness = shearModulus(rod) * std::pow(2 * rod.radius, 4) /
                              (8 * std::pow(2 * kCoilRadius, 3) * whole(arguments, "turns"));
     const double start = scene.bodies[0].position.z, wanted = kWeight / stiffness;
     Probes probes;
     probes.push_back(endProbe({{"length_ratio", [=](const World& w) {
-                                  return (start - w.state(w.find("load")).position.z) / wanted;
+                                  return (start - w.state(w.findBody("load")).position.z) / wanted;
                                 }}}));
     return probes;
   };

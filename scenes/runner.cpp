@@ -25,23 +25,23 @@ Job inOrder(Job job) {
 }
 
 void removeBodies(World& world, const std::string& pattern) {
-  if (pattern.empty() || pattern.back() != '*') return world.remove(world.find(pattern));
+  if (pattern.empty() || pattern.back() != '*') return world.removeBody(world.findBody(pattern));
   const std::string prefix = pattern.substr(0, pattern.size() - 1);
   bool any = false;
   for (const BodyId id : world.bodies()) {
     if (world.definition(id).name.rfind(prefix, 0) != 0) continue;
-    world.remove(id);
+    world.removeBody(id);
     any = true;
   }
   if (!any) throw Error("event.remove", "a body with a name that begins with \"" + prefix + "\"", "none");
 }
 
 void apply(World& world, const Event& event) {
-  for (const std::string& name : event.removeJoints) world.remove(world.findJoint(name));
+  for (const std::string& name : event.removeJoints) world.removeJoint(world.findJoint(name));
   for (const std::string& pattern : event.remove) removeBodies(world, pattern);
-  for (const BodyDef& body : event.add) world.add(body);
+  for (const BodyDef& body : event.add) world.addBody(body);
   for (const Event::Push& push : event.setVelocity) {
-    const BodyId id = world.find(push.body);
+    const BodyId id = world.findBody(push.body);
     BodyState state = world.state(id);
     state.velocity = push.velocity;
     state.angularVelocity = push.angularVelocity;
@@ -52,7 +52,7 @@ void apply(World& world, const Event& event) {
     if (turn.targetPosition) world.setTargetPosition(id, turn.axis, *turn.targetPosition);
     if (turn.targetSpeed) world.setTargetSpeed(id, turn.axis, *turn.targetSpeed);
     if (turn.length) world.setLength(id, *turn.length);
-    if (turn.grabTo) world.moveGrab(id, *turn.grabTo);
+    if (turn.dragTo) world.setDragTarget(id, *turn.dragTo);
   }
 }
 

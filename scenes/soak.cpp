@@ -136,7 +136,7 @@ void Soak::disturbSome() {
 void Soak::changeJoints() {
   const std::vector<JointId> joints = world_.joints();
   if (!joints.empty() && random_.chance(.5)) {
-    world_.remove(joints[static_cast<std::size_t>(random_.below(static_cast<int>(joints.size())))]);
+    world_.removeJoint(joints[static_cast<std::size_t>(random_.below(static_cast<int>(joints.size())))]);
     ++counts_.parted;
     return;
   }
@@ -211,7 +211,7 @@ void Soak::check(const StepReport& report) {
 void Soak::checkStates() {
   ++counts_.reads;
   std::vector<BodyId> expected = alive_;
-  expected.push_back(world_.find("ground"));
+  expected.push_back(world_.findBody("ground"));
   std::sort(expected.begin(), expected.end(), [](BodyId a, BodyId b) { return a.index < b.index; });
   expect(world_.bodies() == expected, "the bodies are not those that were added and not removed");
   for (const BodyId id : alive_) {

@@ -13,9 +13,9 @@ constexpr double kSide = .6, kHeight = .3, kBall = .12, kApart = .5;  // [m]
 constexpr int kTakenStep = 150;
 
 /// A block on the ground whose middle is at x.
-SoftDef claySlab(double x, int cells) {
-  SoftDef slab = softBox({x - kSide / 2, -kSide / 2, 0}, {kSide, kSide, kHeight},
-                         {cells, cells, std::max(1, cells / 2)});
+TetSolidDef claySlab(double x, int cells) {
+  TetSolidDef slab = tetBox({x - kSide / 2, -kSide / 2, 0}, {kSide, kSide, kHeight},
+                            {cells, cells, std::max(1, cells / 2)});
   slab.youngsModulus = 5e5;
   slab.density = 1500;
   slab.viscosity = 500;
@@ -26,7 +26,7 @@ Scene buildDent(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   scene.bodies.push_back(ground(kUpZ));
   for (const double x : {-kApart, kApart}) {
-    SoftDef slab = claySlab(x, whole(arguments, "cells"));
+    TetSolidDef slab = claySlab(x, whole(arguments, "cells"));
     slab.name = x < 0 ? "clay" : "twin";
     if (x < 0) slab.yieldStress = value(arguments, "yield_stress");
     scene.deformables.push_back(slab);
@@ -46,7 +46,7 @@ Scene buildDent(const Arguments& arguments) {
 
 /// Depth of the lowest of the vertices that are on top at rest [m].
 double dentOf(const World& world, int object) {
-  const SoftId id = world.deformableAt(object);
+  const DeformableId id = world.deformableAt(object);
   const std::vector<Vec3>&rest = common(world.definition(id)).vertices, now = world.positions(id);
   double deepest = 0;
   for (std::size_t v = 0; v < now.size(); ++v)

@@ -35,7 +35,7 @@ Claim noCrossing() { return atMost("crossings_peak", 0, "no edge ever crosses a 
 
 double highestVertex(const World& world) {
   double highest = -kNoBound;
-  for (const SoftId id : world.deformables())
+  for (const DeformableId id : world.deformables())
     for (const Vec3& x : world.positions(id)) highest = std::max(highest, x.z);
   return highest;
 }
@@ -145,7 +145,7 @@ Scene buildPress(const Arguments& arguments) {
     scene.bodies.push_back(wall);
   }
   for (const double z : {radius, 3.05 * radius}) {
-    SoftDef ball = softBall({0, 0, z}, radius, whole(arguments, "cells"));
+    TetSolidDef ball = tetBall({0, 0, z}, radius, whole(arguments, "cells"));
     ball.youngsModulus = 3e4;
     ball.density = 500;
     ball.viscosity = 200;
@@ -170,7 +170,7 @@ Spec pressSpec() {
     Probes probes;
     probes.push_back(std::make_unique<CrossingProbe>(10));
     probes.push_back(endProbe(
-        {{"lid_height_m", [](const World& w) { return w.state(w.find("lid")).position.z; }},
+        {{"lid_height_m", [](const World& w) { return w.state(w.findBody("lid")).position.z; }},
          {"crushed_cells", [](const World& w) { return crushedCells(w, 0) + crushedCells(w, 1); }}}));
     return probes;
   };
@@ -203,7 +203,7 @@ Scene buildKnot(const Arguments& arguments) {
   path.push_back({0, 0, -1});
   // points at equal distances along it
   const double step = value(arguments, "segment_m");
-  RodDef rope;
+  CableDef rope;
   rope.name = "rope";
   rope.radius = kRopeRadius;
   rope.youngsModulus = 1e6;
@@ -273,8 +273,8 @@ constexpr double kRingSize = .08;
 constexpr double kSpan = .54, kSag = .45;
 double ropeHeight(double x) { return -kSag * (1 - x * x / (kSpan * kSpan)); }
 
-RodDef ringAround(const Vec3& center, int segments) {
-  RodDef ring;
+CableDef ringAround(const Vec3& center, int segments) {
+  CableDef ring;
   ring.closed = true;
   ring.radius = kRopeRadius;
   for (int i = 0; i < segments; ++i) {
@@ -289,7 +289,7 @@ Scene buildRings(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   scene.bodies.push_back(ground(kUpZ, -1.5));
   const int segments = whole(arguments, "segments"), rings = whole(arguments, "rings");
-  RodDef rope;
+  CableDef rope;
   for (int i = 0; i <= segments; ++i) {
     const double x = kSpan * (2. * i / segments - 1);
     rope.vertices.push_back({x, 0, ropeHeight(x)});

@@ -68,9 +68,9 @@ TriangleMesh surfaceOf(const std::function<double(const Vec3&)>& distance, const
 }
 
 /// Tetrahedra inside of that surface.
-SoftDef softFromFunction(const std::function<double(const Vec3&)>& distance, const Vec3& low,
-                         const Vec3& high, double cell) {
-  return softFromSurface(surfaceOf(distance, low, high, cell / 2), cell);
+TetSolidDef softFromFunction(const std::function<double(const Vec3&)>& distance, const Vec3& low,
+                             const Vec3& high, double cell) {
+  return tetSolidFromSurface(surfaceOf(distance, low, high, cell / 2), cell);
 }
 
 double crushedInAll(const World& world) {
@@ -117,7 +117,7 @@ Scene buildFigure(const Arguments& arguments) {
   log.orientation = {std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2, 0, 0};
   log.motion = Motion::Static;
   scene.bodies.push_back(log);
-  SoftDef body = softFromFunction(figure, {-.6, -.6, -.15}, {.4, .6, 1.35}, value(arguments, "cell"));
+  TetSolidDef body = softFromFunction(figure, {-.6, -.6, -.15}, {.4, .6, 1.35}, value(arguments, "cell"));
   const Quat turn = fromAxisAngle({0, 1, 0}, 1.2);
   for (Vec3& x : body.vertices) x = Vec3{-.4, 0, .8} + rotate(turn, x);
   body.name = "figure";
@@ -225,8 +225,8 @@ Scene buildCar(const Arguments& arguments) {
   scene.bodies.push_back(chassis);
   const auto ring = [](const Vec3& x) { return std::hypot(std::hypot(x.x, x.z) - kTyre, x.y) - kTube; };
   const double far = kTyre + kTube + .05;
-  const SoftDef tyre = softFromFunction(ring, {-far, -kTube - .05, -far}, {far, kTube + .05, far},
-                                        value(arguments, "cell"));
+  const TetSolidDef tyre = softFromFunction(ring, {-far, -kTube - .05, -far}, {far, kTube + .05, far},
+                                            value(arguments, "cell"));
   int number = 0;
   for (const double x : {-.5, .5})
     for (const double y : {-.4, .4}) {
@@ -248,7 +248,7 @@ Scene buildCar(const Arguments& arguments) {
         axle.axes[0].maxDriveForce = 40;
       }
       scene.joints.push_back(axle);
-      SoftDef own = tyre;
+      TetSolidDef own = tyre;
       own.name = "tyre" + std::to_string(number);
       own.youngsModulus = value(arguments, "youngs_modulus");
       own.density = 200;
@@ -285,7 +285,7 @@ Spec carSpec() {
                     quantity("youngs_modulus", 2e5, 1e4, 1e8, "Pa", "of the tyres")};
   spec.build = buildCar;
   spec.probes = [](const Arguments&, const Scene&) {
-    const auto chassis = [](const World& w) { return w.state(w.find("chassis")); };
+    const auto chassis = [](const World& w) { return w.state(w.findBody("chassis")); };
     Probes probes;
     probes.push_back(
         endProbe({{"travel_m", [=](const World& w) { return chassis(w).position.x; }},
@@ -344,7 +344,7 @@ Scene buildGripper(const Arguments& arguments) {
     slide.axes[0].maxDriveForce = value(arguments, "force");
     scene.joints.push_back(slide);
   }
-  SoftDef ball = softBall({0, 0, kBallRadius}, kBallRadius, whole(arguments, "cells"));
+  TetSolidDef ball = tetBall({0, 0, kBallRadius}, kBallRadius, whole(arguments, "cells"));
   ball.name = "ball";
   ball.youngsModulus = 5e4;
   ball.density = 300;
@@ -385,7 +385,7 @@ Spec gripperSpec() {
     probes.push_back(endProbe({{"lifted_m", [](const World& w) { return middleOf(w, 0).z - kBallRadius; }},
                                {"slip_m",
                                 [](const World& w) {
-                                  const double beam = w.state(w.find("beam")).position.z - .45;
+                                  const double beam = w.state(w.findBody("beam")).position.z - .45;
                                   return std::fabs(beam - (middleOf(w, 0).z - kBallRadius));
                                 }},
                                {"crushed_cells", crushedInAll}}));

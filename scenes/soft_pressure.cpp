@@ -139,7 +139,7 @@ Spec cushionSpec() {
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
     probes.push_back(endProbe(
-        {{"plate_height_m", [](const World& w) { return w.state(w.find("plate")).position.z - .02; }},
+        {{"plate_height_m", [](const World& w) { return w.state(w.findBody("plate")).position.z - .02; }},
          {"motion_j", motion}}));
     return probes;
   };

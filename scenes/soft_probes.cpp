@@ -79,14 +79,14 @@ double largestStretch(const World& world, int object) {
 double lowestVertex(const World& world) {
   const Vec3 up = upIn(world);
   double lowest = kNoBound;
-  for (const SoftId id : world.deformables())
+  for (const DeformableId id : world.deformables())
     for (const Vec3& x : world.positions(id)) lowest = std::min(lowest, dot(up, x));
   return lowest;
 }
 
 double cellsBelow(const World& world, int object, double share) {
-  const SoftId id = world.deformableAt(object);
-  const SoftDef& def = std::get<SoftDef>(world.definition(id));
+  const DeformableId id = world.deformableAt(object);
+  const TetSolidDef& def = std::get<TetSolidDef>(world.definition(id));
   const std::vector<Vec3> now = world.positions(id);
   const auto volume = [](const std::vector<Vec3>& x, const std::array<int, 4>& t) {
     const Vec3& a = x[std::size_t(t[0])];

@@ -266,7 +266,7 @@ Spec flagSpec() {
                      return gap;
                    }},
                   {"stretch", [](const World& w) { return largestStretch(w, 0); }},
-                  {"pole_tip_m", [](const World& w) { return w.state(w.find("pole19")).position.z; }}}));
+                  {"pole_tip_m", [](const World& w) { return w.state(w.findBody("pole19")).position.z; }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
@@ -288,7 +288,7 @@ constexpr double kBar = .2, kRope = .005, kFree = .5, kLightLoad = 1;
 
 Scene buildCapstan(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
-  RodDef rope;
+  CableDef rope;
   rope.name = "rope";
   rope.radius = kRope;
   rope.youngsModulus = 1e8;
@@ -338,7 +338,7 @@ Spec capstanSpec() {
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
     probes.push_back(endProbe({{"heavy_drop_m", [](const World& w) {
-                                  return -(kFree + .05) - w.state(w.find("heavy")).position.z;
+                                  return -(kFree + .05) - w.state(w.findBody("heavy")).position.z;
                                 }}}));
     return probes;
   };

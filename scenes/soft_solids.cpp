@@ -16,7 +16,7 @@ constexpr double kBeamSide = .1;
 Scene buildBeam(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   scene.bodies.push_back(ground(kUpZ, -1));
-  SoftDef beam = softBox(
+  TetSolidDef beam = tetBox(
       {0, -kBeamSide / 2, -kBeamSide / 2}, {1, kBeamSide, kBeamSide},
       {whole(arguments, "cells_along"), whole(arguments, "cells_wide"), whole(arguments, "cells_high")});
   beam.name = "beam";
@@ -67,7 +67,7 @@ Scene buildTwist(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   scene.gravity = {};
   scene.bodies.push_back(ground(kUpZ, -1));
-  SoftDef bar = softBox({0, -.1, -.1}, {1, .2, .2}, {whole(arguments, "cells_along"), 3, 3});
+  TetSolidDef bar = tetBox({0, -.1, -.1}, {1, .2, .2}, {whole(arguments, "cells_along"), 3, 3});
   bar.name = "bar";
   bar.youngsModulus = 1e6;
   bar.viscosity = 5e3;
@@ -129,9 +129,9 @@ Scene buildBalls(const Arguments& arguments) {
   for (int z = 0; z < layers; ++z)
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
-        SoftDef ball = softBall({pitch * (x - .5 * (side - 1)) + .02 * (z % 2), pitch * (y - .5 * (side - 1)),
-                                 .35 + 1.1 * pitch * z},
-                                radius, whole(arguments, "cells"));
+        TetSolidDef ball = tetBall({pitch * (x - .5 * (side - 1)) + .02 * (z % 2),
+                                    pitch * (y - .5 * (side - 1)), .35 + 1.1 * pitch * z},
+                                   radius, whole(arguments, "cells"));
         ball.youngsModulus = 3e4;
         ball.density = 500;
         ball.viscosity = 100;
@@ -155,7 +155,7 @@ Spec ballsSpec() {
   spec.probes = [](const Arguments&, const Scene& scene) {
     const int balls = int(scene.deformables.size());
     double cells = 0;
-    for (const Deformable& d : scene.deformables) cells += double(std::get<SoftDef>(d).tetrahedra.size());
+    for (const Deformable& d : scene.deformables) cells += double(std::get<TetSolidDef>(d).tetrahedra.size());
     const auto cellsOf = [balls](const World& w, double share) {
       double sum = 0;
       for (int i = 0; i < balls; ++i) sum += cellsBelow(w, i, share);
@@ -167,7 +167,7 @@ Spec ballsSpec() {
                   {"lift_over_weight",
                    [](const World& w) {
                      double mass = 0;
-                     for (const SoftId id : w.deformables())
+                     for (const DeformableId id : w.deformables())
                        for (const double m : w.masses(id)) mass += m;
                      return -liftOfVertices(w) / (mass * length(w.gravity()));
                    }},
@@ -200,7 +200,7 @@ Scene buildFlat(const Arguments&) {
   Scene scene = emptyScene(kUpZ, 10);
   scene.gravity = {};
   scene.bodies.push_back(ground(kUpZ, -5));
-  SoftDef box = softBox({-.25, -.25, -.25}, {.5, .5, .5}, {4, 4, 4});
+  TetSolidDef box = tetBox({-.25, -.25, -.25}, {.5, .5, .5}, {4, 4, 4});
   box.name = "box";
   for (const Vec3& x : box.vertices) box.start.push_back({x.x, x.y, 0});
   scene.deformables.push_back(box);

@@ -26,7 +26,7 @@ double pluckedPeriod(double strain) {
 Scene buildPlucked(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   scene.gravity = {};
-  RodDef string = straightRod({0, 0, 0}, {1, 0, 0}, kSegments);
+  CableDef string = straightCable({0, 0, 0}, {1, 0, 0}, kSegments);
   string.name = "string";
   string.radius = .002;
   string.youngsModulus = kStringModulus;
@@ -95,7 +95,7 @@ Scene buildCatenary(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   const int segments = whole(arguments, "segments");
   const double half = kCatenary * std::sinh(kHalfSpan / kCatenary);
-  RodDef rope = straightRod({-half, 0, 0}, {2 * half, 0, 0}, segments);
+  CableDef rope = straightCable({-half, 0, 0}, {2 * half, 0, 0}, segments);
   rope.name = "rope";
   rope.radius = .005;
   rope.youngsModulus = 1e8;

@@ -118,7 +118,9 @@ class WaveProbe final : public Probe {
   void afterStep(const World& world, const StepReport&) override {
     const auto passed = [&](double& time, double share) {
       if (time >= 0) return;
-      const Quat q = world.state(world.find("domino" + std::to_string(static_cast<int>(share * dominoes_))))
+      const Quat q = world
+                         .state(
+                             world.findBody("domino" + std::to_string(static_cast<int>(share * dominoes_))))
                          .orientation;
       const double lean = std::acos(std::min(1., rotate(q, Vec3{0, 1, 0}).y));
       if (lean > kLean)

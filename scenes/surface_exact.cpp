@@ -114,7 +114,7 @@ double meanEdge(const Parts& parts) {
 
 std::vector<World::Surface> surfacesOf(const World& world) {
   std::vector<World::Surface> out;
-  for (const SoftId id : world.deformables()) out.push_back(world.surface(id));
+  for (const DeformableId id : world.deformables()) out.push_back(world.surface(id));
   return out;
 }
 

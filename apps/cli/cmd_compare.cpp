@@ -34,7 +34,7 @@ std::string bodyText(const World& world, BodyId id) {
 std::size_t commonVertices(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   return std::min(a.size(), b.size());
 }
-std::string vertexText(SoftId id, std::size_t vertex) {
+std::string vertexText(DeformableId id, std::size_t vertex) {
   return fmt::format("vertex {} of deformable object {}", vertex, id.index);
 }
 
@@ -54,7 +54,7 @@ Difference differenceOf(const World& a, const World& b) {
     result.angle = std::max(result.angle, 2 * std::atan2(length(turn.v), std::fabs(turn.s)));
     take(distance, [&] { return bodyText(a, id); });
   }
-  for (const SoftId id : a.deformables()) {
+  for (const DeformableId id : a.deformables()) {
     if (!b.alive(id)) continue;
     const std::vector<Vec3> pa = a.positions(id), pb = b.positions(id);
     for (std::size_t i = 0; i < commonVertices(pa, pb); ++i)
@@ -75,7 +75,7 @@ std::string firstOtherBits(const World& a, const World& b) {
                                                                       : nullptr;
     if (what) return fmt::format("{} of {}", what, bodyText(a, id));
   }
-  for (const SoftId id : a.deformables()) {
+  for (const DeformableId id : a.deformables()) {
     if (!b.alive(id)) return fmt::format("deformable object {}, which is gone in one of them", id.index);
     const auto otherOf = [&](const char* what, const std::vector<Vec3>& x,
                              const std::vector<Vec3>& y) -> std::string {

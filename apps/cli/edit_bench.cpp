@@ -50,7 +50,7 @@ struct EditedWorld {
   Params params;
   Vec3 gravity, low{1e30, 1e30, 1e30}, high{-1e30, -1e30, -1e30};
   std::vector<BodyId> dynamic, added;
-  JointId grab;
+  JointId dragJoint;
   int turn = 0;
   std::vector<RayQuery> rays;
 };
@@ -79,12 +79,12 @@ const std::vector<EditCase>& editCases() {
          BodyDef ball;
          ball.shape = Shape::sphere(.05);
          ball.position = w.high + Vec3{1., 1., 1.} * (10. + w.turn);
-         w.added.push_back(w.world.add(ball));
+         w.added.push_back(w.world.addBody(ball));
        }},
-      {"grab", "a grab replaced",
+      {"drag", "a drag joint replaced",
        [](EditedWorld& w) {
-         if (w.world.alive(w.grab)) w.world.remove(w.grab);
-         w.grab = w.world.grab(w.body(), w.world.state(w.body()).position, 1e-3);
+         if (w.world.alive(w.dragJoint)) w.world.removeJoint(w.dragJoint);
+         w.dragJoint = w.world.addDragJoint(w.body(), w.world.state(w.body()).position, 1e-3);
        }},
       {"state", "the state of one body written",
        [](EditedWorld& w) { w.world.setState(w.body(), w.world.state(w.body())); }},
@@ -126,7 +126,7 @@ nlohmann::ordered_json benchScene(const JobOptions& options, int steps) {
         times[c].edit.push_back(edit), times[c].whole.push_back(msSince(begin));
       }
       w.world.removeBodies(std::exchange(w.added, {}));
-      if (w.world.alive(w.grab)) w.world.remove(w.grab);
+      if (w.world.alive(w.dragJoint)) w.world.removeJoint(w.dragJoint);
       w.world.setGravity(w.gravity), w.world.setParams(w.params);
       w.world.step(), w.world.step();
     }

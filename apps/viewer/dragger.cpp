@@ -17,7 +17,7 @@ constexpr double kBoxHeight = 4;   ///< over its half size, above what it falls 
 BodyId add(Player& player, const char* what, BodyDef body) {
   body.name += " " + std::to_string(player.nextNumber());
   const auto made = std::make_shared<BodyId>();
-  player.apply(what, [made, body](World& world) { *made = world.add(body); });
+  player.apply(what, [made, body](World& world) { *made = world.addBody(body); });
   return *made;
 }
 
@@ -35,14 +35,14 @@ bool Dragger::take(Player& player, BodyId body, const Vec3& point) {
   if (player.world().definition(body).motion != Motion::Dynamic) return false;
   const double mass = player.world().massOf(body).mass;
   const auto grip = std::make_shared<Grip>();
-  player.apply("grab", [grip, body, point, mass](World& world) {
-    grip->joint = world.grab(body, point, kStrength * mass * kGravity, kGripFrequency);
+  player.apply("drag", [grip, body, point, mass](World& world) {
+    grip->joint = world.addDragJoint(body, point, kStrength * mass * kGravity, kGripFrequency);
   });
   held_ = Held{grip, body};
   return true;
 }
 
-bool Dragger::take(Player& player, SoftId object, int vertex) {
+bool Dragger::take(Player& player, DeformableId object, int vertex) {
   release(player);
   const auto v = static_cast<std::size_t>(vertex);
   const std::vector<double> masses = player.world().masses(object);
@@ -61,8 +61,8 @@ bool Dragger::take(Player& player, SoftId object, int vertex) {
   const double rate = 2 * std::numbers::pi * kGripFrequency;
   attachment.stiffness = mass * rate * rate;
   const auto grip = std::make_shared<Grip>();
-  player.apply("grab vertex", [grip, object, ball, attachment](World& world) {
-    grip->ball = world.add(ball);
+  player.apply("drag vertex", [grip, object, ball, attachment](World& world) {
+    grip->ball = world.addBody(ball);
     world.addAttachment(attachment, object, grip->ball);
   });
   held_ = Held{grip, std::nullopt};
@@ -75,7 +75,7 @@ void Dragger::pull(Player& player, const Vec3& point) {
   if (held_->body) {
     if (!player.world().alive(grip->joint)) return forget();
     player.apply(
-        "pull", [grip, point](World& world) { world.moveGrab(grip->joint, point); }, true);
+        "pull", [grip, point](World& world) { world.setDragTarget(grip->joint, point); }, true);
   } else {
     if (!player.world().alive(grip->ball)) return forget();
     player.apply(
@@ -90,9 +90,9 @@ void Dragger::release(Player& player) {
   if (isJoint ? player.world().alive(grip->joint) : player.world().alive(grip->ball)) {
     player.apply("release", [grip, isJoint](World& world) {
       if (isJoint)
-        world.remove(grip->joint);
+        world.removeJoint(grip->joint);
       else
-        world.remove(grip->ball);
+        world.removeBody(grip->ball);
     });
   }
   held_.reset();

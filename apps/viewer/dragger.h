@@ -7,13 +7,13 @@
 
 namespace rubble::viewer {
 
-/// Holds a point of a body by a grab joint, or a vertex of a deformable object by an attachment to a small
+/// Holds a point of a body by a drag joint, or a vertex of a deformable object by an attachment to a small
 /// kinematic ball.
 class Dragger {
  public:
   /// False for bodies and vertices that do not move.
   bool take(Player& player, BodyId body, const Vec3& point);
-  bool take(Player& player, SoftId object, int vertex);
+  bool take(Player& player, DeformableId object, int vertex);
   /// The held point is drawn here.
   void pull(Player& player, const Vec3& point);
   void release(Player& player);

@@ -120,7 +120,7 @@ void drawBody(UiState& uiState, Player& player, BodyId id) {
   shapeRows(body.shape);
   row("mass", "kg", mass.mass);
   row("inertia", "kg m2", mass.inertia, "about the principal axes");
-  row("center of mass", "m", mass.centre, "in the frame of the shape");
+  row("center of mass", "m", mass.center, "in the frame of the shape");
   turnRow("principal axes", mass.axes);
   row("density", "kg/m3", body.density);
   materialRows(body.material, true);
@@ -206,7 +206,7 @@ struct FieldRows {
   }
 };
 
-void drawObject(UiState& uiState, World& world, SoftId id) {
+void drawObject(UiState& uiState, World& world, DeformableId id) {
   const Deformable& def = world.definition(id);
   ImGui::Text("%s %s (index %d), %d vertices", kDeformableKeywords[def.index()], common(def).name.c_str(),
               static_cast<int>(id.index), world.vertexCount(id));
@@ -217,7 +217,7 @@ void drawObject(UiState& uiState, World& world, SoftId id) {
     row("velocity", "m/s", world.velocities(id)[v]);
     row("mass", "kg", world.masses(id)[v]);
     solverRows(world.solverStates(id)[v]);
-    const std::vector<SoftId> objects = world.deformables();
+    const std::vector<DeformableId> objects = world.deformables();
     const auto at = std::find(objects.begin(), objects.end(), id) - objects.begin();
     row("strain", "1",
         static_cast<double>(io::vertexValues(world, io::ColorBy::Strain)[static_cast<std::size_t>(at)][v]));

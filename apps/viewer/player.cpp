@@ -112,7 +112,7 @@ std::vector<IterationError> iterationErrors(World& world) {
   const auto places = [&] {
     std::vector<Vec3> out;
     for (const BodyId id : world.bodies()) out.push_back(world.state(id).position);
-    for (const SoftId id : world.deformables())
+    for (const DeformableId id : world.deformables())
       for (const Vec3& p : world.positions(id)) out.push_back(p);
     return out;
   };

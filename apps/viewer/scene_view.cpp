@@ -35,7 +35,7 @@ void addSelection(World& world, const Selection& selection, double size, std::ve
   }
 }
 
-int nearestVertex(const World& world, SoftId object, const Vec3& point) {
+int nearestVertex(const World& world, DeformableId object, const Vec3& point) {
   const std::vector<Vec3> x = world.positions(object);
   const auto nearest = std::min_element(x.begin(), x.end(), [&](const Vec3& a, const Vec3& b) {
     return lengthSquared(a - point) < lengthSquared(b - point);
@@ -43,8 +43,8 @@ int nearestVertex(const World& world, SoftId object, const Vec3& point) {
   return static_cast<int>(nearest - x.begin());
 }
 
-std::optional<SoftId> objectWithKey(const World& world, std::uint32_t key) {
-  for (const SoftId id : world.deformables())
+std::optional<DeformableId> objectWithKey(const World& world, std::uint32_t key) {
+  for (const DeformableId id : world.deformables())
     if (static_cast<std::uint32_t>(id.index) == (key & (io::kSoftKeys - 1)) >> io::kSoftKeyBits) return id;
   return std::nullopt;
 }

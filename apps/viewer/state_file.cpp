@@ -25,7 +25,7 @@ void addLive(Json& state, Player& player, const UiState& uiState) {
   int shots = 0, dropped = 0;
   for (const auto& [name, place] : bodies.items())
     shots += name.rfind("shot ", 0) == 0, dropped += name.rfind("dropped ", 0) == 0;
-  for (const SoftId id : world.deformables()) {
+  for (const DeformableId id : world.deformables()) {
     Vec3 low = world.positions(id).front(), high = low;
     for (const Vec3& p : world.positions(id))
       for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);

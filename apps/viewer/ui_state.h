@@ -13,7 +13,7 @@ namespace rubble::viewer {
 struct Selection {
   std::optional<BodyId> body;
   std::optional<JointId> joint;
-  std::optional<SoftId> object;
+  std::optional<DeformableId> object;
   int vertex = -1;  ///< of the object
 
   bool any() const { return body || joint || object; }

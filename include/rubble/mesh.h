@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <rubble/soft.h>
+#include <rubble/deformables.h>
 
 namespace rubble {
 
@@ -14,7 +14,7 @@ struct TriangleMesh {
   std::vector<std::array<int, 3>> triangles;
 };
 
-/// A tetrahedral mesh. Corner order as in SoftDef.
+/// A tetrahedral mesh. Corner order as in TetSolidDef.
 struct TetrahedronMesh {
   std::vector<Vec3> vertices;  ///< [m]
   std::vector<std::array<int, 4>> tetrahedra;
@@ -36,13 +36,13 @@ double volumeOf(const TriangleMesh& surface);
 TetrahedronMesh tetrahedralize(const TriangleMesh& surface, double cell, const std::string& path = "surface");
 
 /// A solid from these tetrahedra. Tetrahedra of negative volume are reoriented.
-SoftDef softFromMesh(TetrahedronMesh mesh);
+TetSolidDef tetSolidFromMesh(TetrahedronMesh mesh);
 /// A solid inside a closed surface, with cells of width `cell` [m].
-SoftDef softFromSurface(const TriangleMesh& surface, double cell);
+TetSolidDef tetSolidFromSurface(const TriangleMesh& surface, double cell);
 /// Cloth from these triangles. Unused vertices are left out.
 ClothDef clothFromMesh(const TriangleMesh& mesh);
 /// A rod along a polyline through these points, in segments of about that length [m]. A closed one returns to
 /// the first point.
-RodDef rodAlong(const std::vector<Vec3>& points, double segment, bool closed = false);
+CableDef cableAlong(const std::vector<Vec3>& points, double segment, bool closed = false);
 
 }  // namespace rubble

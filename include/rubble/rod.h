@@ -16,7 +16,7 @@ namespace rubble {
 ///
 /// with G = E / (2 (1 + nu)) and kappa = 6 (1 + nu) / (7 + 6 nu) (Cowper 1966). At a built-in end, l is half
 /// a segment.
-struct SegmentRodDef {
+struct RodDef {
   std::string name;            ///< prefix of the names of its bodies, followed by their number; optional
   std::vector<Vec3> points;    ///< at least two, world [m]
   double radius = .01;         ///< [m]
@@ -31,13 +31,13 @@ struct SegmentRodDef {
 };
 
 /// Indices of the parts of a rod in a scene.
-struct SegmentRod {
+struct RodParts {
   int firstBody = 0, bodies = 0;
   int firstJoint = 0, joints = 0;  ///< in order along the rod; the first one is that of a built-in start
 };
 
 /// Adds the bodies and joints of a rod to a scene. Throws Error with the path of an invalid field
 /// ("rod.points[3]").
-SegmentRod addRod(Scene& scene, const SegmentRodDef& rod, const std::string& path = "rod");
+RodParts addRod(Scene& scene, const RodDef& rod, const std::string& path = "rod");
 
 }  // namespace rubble

@@ -1,6 +1,7 @@
 #pragma once
 /// Rubble: rigid-body physics by Augmented Vertex Block Descent. Includes the whole API.
 #include <rubble/arrays.h>
+#include <rubble/deformables.h>
 #include <rubble/error.h>
 #include <rubble/events.h>
 #include <rubble/ids.h>
@@ -12,5 +13,4 @@
 #include <rubble/report.h>
 #include <rubble/rod.h>
 #include <rubble/scene.h>
-#include <rubble/soft.h>
 #include <rubble/world.h>

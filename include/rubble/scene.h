@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include <rubble/deformables.h>
 #include <rubble/material.h>
 #include <rubble/math.h>
-#include <rubble/soft.h>
 
 namespace rubble {
 
@@ -162,7 +162,7 @@ enum class JointType {
   /// bodies.
   Rack,
   Pulley,  ///< rope from A over two world points to B
-  Grab,    ///< soft drag of the anchor of A to that of B with limited force (mouse joint)
+  Drag,    ///< soft drag of the anchor of A to that of B with limited force (mouse joint)
 };
 
 /// No limit on this side of an axis.
@@ -195,7 +195,7 @@ struct JointDef {
   JointType type = JointType::Ball;
   int bodyA = kWorld, bodyB = kWorld;  ///< indices into Scene::bodies; at most one is kWorld
   /// Gear, rack: bodies in which the axes of A and B are fixed (a housing, the arm of planet wheels).
-  int carrierA = kWorld, carrierB = kWorld;
+  int frameBodyA = kWorld, frameBodyB = kWorld;
   Vec3 anchorA, anchorB;  ///< in the body frame [m] (world: world coordinates)
   Quat frameA, frameB;    ///< joint axes in the body frame (world: world axes)
   /// Fixed, slider, angular spring: target orientation of A in the frame of B, q_B^-1 q_A.
@@ -209,7 +209,7 @@ struct JointDef {
   double angularStiffness = kHard;  ///< of the orientation [N m/rad], or hard
   double angularDamping = 0;        ///< [N m s/rad]
   double angularDampingRatio = 0;   ///< alternative to angularDamping [1]
-  double maxForce = kHard;          ///< ball, fixed, grab: largest force on the anchors [N]
+  double maxForce = kHard;          ///< ball, fixed, drag: largest force on the anchors [N]
   double maxTorque = kHard;         ///< fixed, angular spring: largest torque [N m]
   /// Distance, rope, spring, pulley [m]. Negative: the length when the joint is made.
   double length = -1;
@@ -266,7 +266,7 @@ struct Event {
     std::optional<double> targetPosition;  ///< of the drive of the axis [m], [rad]
     std::optional<double> targetSpeed;     ///< [m/s], [rad/s]
     std::optional<double> length;          ///< distance, rope, spring, pulley [m]
-    std::optional<Vec3> grabTo;            ///< grab: world [m]
+    std::optional<Vec3> dragTo;            ///< drag: world [m]
   };
   std::vector<Turn> setJoint;
 };
@@ -287,7 +287,7 @@ struct Scene {
 struct MassProperties {
   double mass = 0;
   Vec3 inertia;  ///< principal moments
-  Vec3 centre;   ///< center of mass, in the shape frame [m]
+  Vec3 center;   ///< center of mass, in the shape frame [m]
   Quat axes;     ///< principal axes -> shape frame
 };
 /// Exact for polyhedra and for shapes without `rounding`. The surface of a rounded hull or cylinder is

@@ -55,10 +55,10 @@ struct JointState {
 
 /// A contact of a vertex in the last step, with a body or with another vertex.
 struct VertexContact {
-  SoftId object;
+  DeformableId object;
   int vertex;
-  BodyId body;         ///< BodyId{}: contact with a vertex
-  SoftId otherObject;  ///< SoftId{}: contact with a body
+  BodyId body;               ///< BodyId{}: contact with a vertex
+  DeformableId otherObject;  ///< DeformableId{}: contact with a body
   int otherVertex;
   /// Unit vector from the body to the vertex, or from the vertex to the other vertex.
   Vec3 normal;
@@ -105,14 +105,14 @@ class World {
   double time() const;  ///< [s]
 
   // Bodies. Every call throws Error for an id that is not alive.
-  BodyId add(const BodyDef& body);
-  void remove(BodyId id);  ///< removes its joints as well
+  BodyId addBody(const BodyDef& body);
+  void removeBody(BodyId id);  ///< removes its joints as well
   /// Enables or disables collision between two bodies. A joint between them may disable it as well.
   void setCollide(BodyId a, BodyId b, bool collide);
   bool alive(BodyId id) const;
-  std::vector<BodyId> bodies() const;          ///< bodies that are alive, by index
-  BodyId find(const std::string& name) const;  ///< throws Error if no body has that name
-  BodyId bodyAt(int sceneIndex) const;         ///< body of Scene::bodies[sceneIndex]
+  std::vector<BodyId> bodies() const;              ///< bodies that are alive, by index
+  BodyId findBody(const std::string& name) const;  ///< throws Error if no body has that name
+  BodyId bodyAt(int sceneIndex) const;             ///< body of Scene::bodies[sceneIndex]
   const BodyDef& definition(BodyId id) const;
   MassProperties massOf(BodyId id) const;
   BodyState state(BodyId id) const;
@@ -167,15 +167,15 @@ class World {
 
   // Joints.
   /// Adds a joint between `a` and `b` (BodyId{}: the world). bodyA, bodyB and the frame bodies of the
-  /// definition are ignored. `carrierA` and `carrierB` are the frame bodies of gears and racks.
-  JointId addJoint(const JointDef& joint, BodyId a, BodyId b, BodyId carrierA = {}, BodyId carrierB = {});
-  void remove(JointId id);
+  /// definition are ignored. `frameBodyA` and `frameBodyB` are the frame bodies of gears and racks.
+  JointId addJoint(const JointDef& joint, BodyId a, BodyId b, BodyId frameBodyA = {}, BodyId frameBodyB = {});
+  void removeJoint(JointId id);
   bool alive(JointId id) const;
   std::vector<JointId> joints() const;
   JointId findJoint(const std::string& name) const;
   const JointDef& definition(JointId id) const;
-  std::array<BodyId, 2> bodiesOf(JointId id) const;    ///< A and B; BodyId{}: the world
-  std::array<BodyId, 2> carriersOf(JointId id) const;  ///< frame bodies; BodyId{}: the world
+  std::array<BodyId, 2> bodiesOf(JointId id) const;       ///< A and B; BodyId{}: the world
+  std::array<BodyId, 2> frameBodiesOf(JointId id) const;  ///< frame bodies; BodyId{}: the world
   JointState state(JointId id) const;
   /// Replaces the definition from the next step on: limits, drives, lengths, stiffnesses, frames. The type
   /// must be unchanged. Bodies, multipliers and the broken flag are kept. Quantities measured when the joint
@@ -187,53 +187,53 @@ class World {
   void setLimits(JointId id, int axis, double min, double max);
   void setLength(JointId id, double length);                      ///< distance, rope, spring, pulley [m]
   void setDriveOrientation(JointId id, const Quat& orientation);  ///< swing-twist
-  /// Drags a body by a point (world [m]) with a mouse joint, whose target moveGrab() sets. The stiffness
-  /// gives the mass of the body `frequency` [1/s] with critical damping, and the force is at most `maxForce`
-  /// [N]. remove() ends the drag.
-  JointId grab(BodyId id, const Vec3& point, double maxForce, double frequency = 5);
-  void moveGrab(JointId id, const Vec3& target);  ///< world [m]
+  /// Drags a body by a point (world [m]) with a mouse joint, whose target setDragTarget() moves. The
+  /// stiffness gives the mass of the body `frequency` [1/s] with critical damping, and the force is at most
+  /// `maxForce` [N]. removeJoint() ends the drag.
+  JointId addDragJoint(BodyId id, const Vec3& point, double maxForce, double frequency = 5);
+  void setDragTarget(JointId id, const Vec3& target);  ///< world [m]
 
   // Deformable objects. Every call throws Error for an id that is not alive.
-  SoftId add(const Deformable& deformable);
-  void remove(SoftId id);  ///< removes its attachments as well
-  bool alive(SoftId id) const;
-  std::vector<SoftId> deformables() const;  ///< objects that are alive, by index
-  SoftId findDeformable(const std::string& name) const;
-  SoftId deformableAt(int sceneIndex) const;  ///< object of Scene::deformables[sceneIndex]
-  const Deformable& definition(SoftId id) const;
-  int vertexCount(SoftId id) const;
-  std::vector<Vec3> positions(SoftId id) const;   ///< of its vertices [m]
-  std::vector<Vec3> velocities(SoftId id) const;  ///< [m/s]
-  std::vector<double> masses(SoftId id) const;    ///< of its vertices; 0: fixed [kg]
+  DeformableId addDeformable(const Deformable& deformable);
+  void removeDeformable(DeformableId id);  ///< removes its attachments as well
+  bool alive(DeformableId id) const;
+  std::vector<DeformableId> deformables() const;  ///< objects that are alive, by index
+  DeformableId findDeformable(const std::string& name) const;
+  DeformableId deformableAt(int sceneIndex) const;  ///< object of Scene::deformables[sceneIndex]
+  const Deformable& definition(DeformableId id) const;
+  int vertexCount(DeformableId id) const;
+  std::vector<Vec3> positions(DeformableId id) const;   ///< of its vertices [m]
+  std::vector<Vec3> velocities(DeformableId id) const;  ///< [m/s]
+  std::vector<double> masses(DeformableId id) const;    ///< of its vertices; 0: fixed [kg]
   /// Sets the state of all vertices. Each span has vertexCount() elements. Contacts and multipliers are kept.
-  void setVertices(SoftId id, std::span<const Vec3> positions, std::span<const Vec3> velocities);
-  void applyVertexForce(SoftId id, int vertex, const Vec3& force);  ///< for the next step [N]
+  void setVertices(DeformableId id, std::span<const Vec3> positions, std::span<const Vec3> velocities);
+  void applyVertexForce(DeformableId id, int vertex, const Vec3& force);  ///< for the next step [N]
   /// Geometry for rendering: triangles without torn ones, outward if the surface is closed. Objects without
   /// triangles have spheres or line segments.
   struct Surface {
-    SoftId id;
+    DeformableId id;
     std::vector<Vec3> vertices;  ///< [m]
     std::vector<std::array<int, 3>> triangles;
     std::vector<std::array<int, 2>> segments;  ///< of rods and nets, without broken ones
     double radius = 0;                         ///< of the spheres or the line [m]
     bool spheres = false;                      ///< each vertex is rendered as a sphere
   };
-  Surface surface(SoftId id) const;
+  Surface surface(DeformableId id) const;
 
-  /// Adds an attachment between `object` and `body` (BodyId{}: the world), or `otherObject` (SoftId{}: none).
-  /// Object and body indices of the definition are ignored.
-  AttachmentId addAttachment(const AttachmentDef& attachment, SoftId object, BodyId body,
-                             SoftId otherObject = {});
-  void remove(AttachmentId id);
+  /// Adds an attachment between `object` and `body` (BodyId{}: the world), or `otherObject` (DeformableId{}:
+  /// none). Object and body indices of the definition are ignored.
+  AttachmentId addAttachment(const AttachmentDef& attachment, DeformableId object, BodyId body,
+                             DeformableId otherObject = {});
+  void removeAttachment(AttachmentId id);
   bool alive(AttachmentId id) const;
   std::vector<AttachmentId> attachments() const;
   JointState state(AttachmentId id) const;  ///< gap, force on the vertices, broken
   /// The two sides of an attachment.
   struct AttachmentEnds {
-    SoftId object;
-    SoftId otherObject;  ///< SoftId{}: not a vertex-vertex attachment
-    BodyId body;         ///< BodyId{}: the world, or a vertex-vertex attachment
-    Vec3 anchor;         ///< in the body frame, or in the world [m]
+    DeformableId object;
+    DeformableId otherObject;  ///< DeformableId{}: not a vertex-vertex attachment
+    BodyId body;               ///< BodyId{}: the world, or a vertex-vertex attachment
+    Vec3 anchor;               ///< in the body frame, or in the world [m]
   };
   AttachmentEnds endsOf(AttachmentId id) const;
   std::vector<VertexContact> vertexContacts() const;
@@ -244,7 +244,7 @@ class World {
   ContactLoad contactLoad(BodyId id) const;
   /// Solver states of all bodies, in the order of bodies(), or of the vertices of an object.
   std::vector<SolverState> solverStates() const;
-  std::vector<SolverState> solverStates(SoftId id) const;
+  std::vector<SolverState> solverStates(DeformableId id) const;
   /// Events of the last step. Empty unless WorldOptions::events is set.
   const Events& events() const;
   /// Sleeping (Params::sleeping). Edits and applied forces wake a body and its island automatically.

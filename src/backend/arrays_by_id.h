@@ -11,7 +11,7 @@ template <class Buffer> class ArraysById {
  public:
   template <class Gather> ArrayView view(StateArray which, const SolverData& s, int bodies, Gather&& gather) {
     Buffer& buffer = buffers_[static_cast<int>(which)];
-    return withStateArray(which, [&]<class T>(T* SolverData::*member) {
+    return withStateArray(which, [&]<class T>(Array<T> SolverData::*member) {
       buffer.reserve(sizeof(T) * static_cast<std::size_t>(bodies));
       gather(buffer.data(), s.*member, static_cast<int>(sizeof(T)));
       return rowsOf(reinterpret_cast<const T*>(buffer.data()), bodies);

@@ -1,10 +1,11 @@
 #pragma once
 /// Engines whose tables can be looked at between the kernels of a step.
+#include <algorithm>
 #include <functional>
 #include <string_view>
 
 #include "backend/engine.h"
-#include "state/arrays.h"
+#include "tables/host_tables.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -16,11 +17,11 @@ class ObservableEngine : public Engine {
  public:
   virtual void observe(KernelObserver observer) = 0;
   /// All arrays in host memory, as of the call of the observer from which it is called.
-  virtual const SolverData& tablesNow() = 0;
+  virtual const HostTables& tablesNow() = 0;
 };
 
-/// Elements of a kind that a step has written so far.
-inline std::size_t elementsWritten(const SolverData& s, Per per) {
+/// Elements of a kind that a step has counted so far.
+inline std::size_t elementsCounted(const SolverData& s, Per per) {
   const Counters& c = *s.counters;
   const auto count = [](int n) { return static_cast<std::size_t>(n); };
   if (const int type = jointTypeOf(per); type >= 0) return count(s.joints[type]);
@@ -82,6 +83,12 @@ inline std::size_t elementsWritten(const SolverData& s, Per per) {
     default:
       return elementCount(s, per);
   }
+}
+
+/// Elements of a kind that a step has written so far. A count exceeds the capacity until the tables have
+/// grown.
+inline std::size_t elementsWritten(const HostTables& tables, Per per) {
+  return std::min(elementsCounted(tables.view(), per), static_cast<std::size_t>(tables.capacity(per)));
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -28,7 +28,7 @@ struct CookedPart {
 /// In the engine's frame: origin at the center of mass, principal axes.
 struct CookedShape {
   CookedData shape;
-  MassProperties unit;  ///< mass properties at density 1; `centre` and `axes` locate the engine's frame in
+  MassProperties unit;  ///< mass properties at density 1; `center` and `axes` locate the engine's frame in
                         ///< the authored frame, even without mass
   double radius = 0;    ///< of the bounding sphere about the origin [m]
   std::vector<std::array<double, 4>> vectors;

@@ -50,7 +50,7 @@ struct Part {
   double weight[3];
 };
 
-RUBBLE_HD RUBBLE_APART inline Vec3d generalSupport(const Convex& c, const Vec3d& d) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3d generalSupport(const Convex& c, const Vec3d& d) {
   return RUBBLE_CORE::support(c, d);
 }
 
@@ -311,8 +311,9 @@ RUBBLE_HD inline TimeOfImpact timeOfImpactBeyond(const Placed& a, const SweptMot
                                                  const SweptMotion& motionB, const Vec3d& n, bool turnsWithB,
                                                  double allowed, double more) {
   constexpr int kMostSteps = 128;
-  constexpr double kMostTurn = .1;  // rotation of n per search step [rad]: speed bounds hold at its start
-  constexpr double kSameSide = 1;   // after a larger rotation [rad] a gap along n may lie on the other side
+  constexpr double
+      kLargestRotation = .1;       // rotation of n per search step [rad]: speed bounds hold at its start
+  constexpr double kSameSide = 1;  // after a larger rotation [rad] a gap along n may lie on the other side
   const double start = gapAlong(a, b, n);
   allowed = max(allowed, more - start);
   const double reached = allowed - more / 4;
@@ -324,7 +325,7 @@ RUBBLE_HD inline TimeOfImpact timeOfImpactBeyond(const Placed& a, const SweptMot
   if (sameSide && gapAlong(endA, endB, rotate((turnsWithB ? endB : endA).q, local)) >= -allowed) return m;
 
   const double spin = max(length(motionA.turn), length(motionB.turn)),
-               turnStep = spin > 0 ? kMostTurn / spin : 1;
+               turnStep = spin > 0 ? kLargestRotation / spin : 1;
   m.fraction = 0;
   for (int step = 0; step < kMostSteps; ++step) {
     const Placed nowA = movedBy(a, motionA, m.fraction), nowB = movedBy(b, motionB, m.fraction);

@@ -192,7 +192,7 @@ inline constexpr Real kProven = Real(.9);
 
 /// GJK in double precision. In single precision, round-off of the simplex loses a small body beside one a
 /// thousand times its size, and overlapping cores seem separated.
-RUBBLE_HD RUBBLE_APART inline Nearest preciseNearest(Convex a, Convex b, Quat turn, Vec3 at) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Nearest preciseNearest(Convex a, Convex b, Quat turn, Vec3 at) {
   const Separation x = gjk::cores({a, {0, 0, 0}, {}}, {b, Vec3d(at), Quatd(turn)});
   const Real distance = static_cast<Real>(x.distance);
   return {Vec3(x.n), distance, Vec3(x.onA), Vec3(x.onB), distance};

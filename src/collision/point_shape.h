@@ -198,8 +198,9 @@ RUBBLE_HD inline PointDistance pointToConvex(const ShapeTables& tables, const Sh
 }
 
 /// Non-primitive shapes. For a compound the part with the smallest signed distance.
-RUBBLE_HD RUBBLE_APART inline PointDistance pointToGeneralShape(const ShapeTables& tables, const ShapeData& s,
-                                                                const Vec3& x, const PointReach& reach) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline PointDistance pointToGeneralShape(const ShapeTables& tables,
+                                                                      const ShapeData& s, const Vec3& x,
+                                                                      const PointReach& reach) {
   switch (s.kind) {
     case ShapeKind::Mesh:
     case ShapeKind::HeightField:

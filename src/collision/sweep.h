@@ -265,7 +265,7 @@ RUBBLE_HD inline Real innerRadiusOfPart(const ShapeTables& tables, const ShapeDa
   }
 }
 
-RUBBLE_HD RUBBLE_APART inline Real generalInnerRadius(const ShapeTables& tables, const ShapeData& s) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Real generalInnerRadius(const ShapeTables& tables, const ShapeData& s) {
   if (s.kind != ShapeKind::Compound) return innerRadiusOfPart(tables, s);
   const int first = tables.index[s.data + 2], count = tables.index[s.data + 3];
   Real least = Real(1e18);

@@ -46,7 +46,7 @@ void addHull(CookedShape& out, const Shape& shape, const std::string& path) {
   out.shape = {ShapeKind::Hull, {}, shape.rounding, header};
   std::vector<Vec3> local;
   for (const Vec3& v : hull.vertices) {
-    const Vec3 x = rotateInverse(out.unit.axes, v - out.unit.centre);
+    const Vec3 x = rotateInverse(out.unit.axes, v - out.unit.center);
     local.push_back(x);
     out.vectors.push_back({x.x, x.y, x.z, 0});
     for (int i = 0; i < 3; ++i) out.shape.half[i] = std::max(out.shape.half[i], std::fabs(x[i]));
@@ -87,7 +87,7 @@ void addCompound(CookedShape& out, const Shape& shape, const std::string& path) 
     const Quat q = normalize(parts[i].orientation);
     CookedPart incidence;
     incidence.shape = part.shape;
-    incidence.position = rotate(back, parts[i].position + rotate(q, part.unit.centre) - out.unit.centre);
+    incidence.position = rotate(back, parts[i].position + rotate(q, part.unit.center) - out.unit.center);
     incidence.rotation = normalize(back * q * part.unit.axes);
     incidence.radius = part.radius;
     incidence.material = parts[i].material;

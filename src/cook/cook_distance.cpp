@@ -49,7 +49,7 @@ void addDistanceField(CookedShape& out, const Shape& shape, const std::string& p
   out.shape.data = header;
   // pose of the lattice in the engine frame
   const Quat back = conjugate(out.unit.axes);
-  const Vec3 first = rotate(back, g.origin - out.unit.centre);
+  const Vec3 first = rotate(back, g.origin - out.unit.center);
   out.vectors.push_back({first.x, first.y, first.z, g.spacing.x});
   out.vectors.push_back({back.v.x, back.v.y, back.v.z, back.s});
   for (std::size_t k = 0; k < count; k += 4) {
@@ -57,7 +57,7 @@ void addDistanceField(CookedShape& out, const Shape& shape, const std::string& p
     out.vectors.push_back({sample(k), sample(k + 1), sample(k + 2), sample(k + 3)});
   }
   for (const int k : nearOrder(surface.points)) {
-    const Vec3 x = rotate(back, surface.points[static_cast<std::size_t>(k)] - out.unit.centre);
+    const Vec3 x = rotate(back, surface.points[static_cast<std::size_t>(k)] - out.unit.center);
     out.vectors.push_back({x.x, x.y, x.z, 0});
     for (int i = 0; i < 3; ++i) out.shape.half[i] = std::max(out.shape.half[i], std::fabs(x[i]));
     out.radius = std::max(out.radius, length(x));

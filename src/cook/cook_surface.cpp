@@ -77,7 +77,7 @@ class TreeBuilder {
 };
 
 void setBounds(CookedShape& out, const Range& box) {
-  out.unit.centre = box.middle();
+  out.unit.center = box.middle();
   out.shape.half = (box.high - box.low) * .5;
   out.radius = length(out.shape.half);
 }
@@ -165,7 +165,7 @@ void addMesh(CookedShape& out, const Shape& shape, const std::string& path) {
   set(2, tree.nodes.size()), set(3, g.triangles.size()), set(4, g.points.size()), set(5, g.twoSided);
   out.shape.kind = ShapeKind::Mesh;
   out.shape.data = header;
-  const Vec3 c = out.unit.centre;
+  const Vec3 c = out.unit.center;
   for (const auto& node : tree.nodes) {
     const Vec3 low = node.box.low - c, high = node.box.high - c;
     out.vectors.push_back({low.x, low.y, low.z, 0});
@@ -205,7 +205,7 @@ void addHeightField(CookedShape& out, const Shape& shape) {
   out.indices[static_cast<std::size_t>(header) + 3] = ny;
   out.shape.kind = ShapeKind::HeightField;
   out.shape.data = header;
-  const Vec3 c = out.unit.centre;
+  const Vec3 c = out.unit.center;
   out.vectors.push_back({g.spacing.x, g.spacing.y, whole.low.z - c.z, whole.high.z - c.z});
   out.vectors.push_back({-c.x, -c.y, 0, 0});
   for (std::size_t k = 0; k < g.samples.size(); k += 4) {

@@ -92,7 +92,7 @@ template <std::size_t N> std::vector<Edge> edgesOf(const std::vector<std::array<
   return edges;
 }
 
-TetrahedronModel cookTetrahedron(const SoftDef& d, const std::array<int, 4>& v) {
+TetrahedronModel cookTetrahedron(const TetSolidDef& d, const std::array<int, 4>& v) {
   const Vec3 a = at(d, v[0]), e1 = at(d, v[1]) - a, e2 = at(d, v[2]) - a, e3 = at(d, v[3]) - a;
   const double det = dot(e1, cross(e2, e3));
   TetrahedronModel t;
@@ -106,7 +106,7 @@ TetrahedronModel cookTetrahedron(const SoftDef& d, const std::array<int, 4>& v) 
   return t;
 }
 
-std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
+std::shared_ptr<const SoftModel> cook(const TetSolidDef& d) {
   SoftModel m = startModel(d);
   for (const auto& v : d.tetrahedra) {
     m.list<TetrahedronModel>().push_back(cookTetrahedron(d, v));
@@ -205,7 +205,7 @@ std::shared_ptr<const SoftModel> cook(const ClothDef& d) {
   return finished(std::move(m), d);
 }
 
-std::shared_ptr<const SoftModel> cook(const RodDef& d) {
+std::shared_ptr<const SoftModel> cook(const CableDef& d) {
   SoftModel m = startModel(d);
   const int n = int(d.vertices.size()), segments = d.closed ? n : n - 1;
   const double area = std::numbers::pi * d.radius * d.radius, inertia = area * d.radius * d.radius / 4;

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <map>
 
+#include <rubble/deformables.h>
 #include <rubble/error.h>
-#include <rubble/soft.h>
 
 #include "cook/checks.h"
 #include "forces/element_kind.h"
@@ -81,7 +81,7 @@ void allUsed(const std::vector<bool>& used, const std::string& path, const char*
 /// Volumes (areas) below this share of the cubed (squared) longest edge count as zero.
 constexpr double kDegenerate = 1e-9;
 
-void check(const SoftDef& d, const std::string& path) {
+void check(const TetSolidDef& d, const std::string& path) {
   checkCommon(d, 4, path);
   positive(d.youngsModulus, path + ".youngsModulus");
   ratio(d.poissonRatio, 0, path + ".poissonRatio");
@@ -191,7 +191,7 @@ void check(const ClothDef& d, const std::string& path) {
   checkClosed(d, path);
 }
 
-void check(const RodDef& d, const std::string& path) {
+void check(const CableDef& d, const std::string& path) {
   checkCommon(d, d.closed ? 3 : 2, path);
   positive(d.radius, path + ".radius");
   positive(d.youngsModulus, path + ".youngsModulus");

@@ -14,7 +14,7 @@ namespace {
 
 /// Triangle areas below this share of the squared longest edge count as zero [1].
 constexpr double kNoArea = 1e-12;
-/// Half a gigabyte of vertices. A longer rod is most likely a unit error.
+/// Half a gigabyte of vertices. A longer cable is most likely a unit error.
 constexpr int kMostSegments = 1 << 24;
 
 std::string item(const std::string& path, const char* list, std::size_t i) {
@@ -65,8 +65,8 @@ void validateClosed(const TriangleMesh& surface, const std::string& path) {
                 "a volume of " + std::to_string(volume) + " m3");
 }
 
-SoftDef softFromMesh(TetrahedronMesh mesh) {
-  SoftDef out;
+TetSolidDef tetSolidFromMesh(TetrahedronMesh mesh) {
+  TetSolidDef out;
   for (auto& t : mesh.tetrahedra) {
     const auto at = [&](std::size_t k) {
       const int v = t[k];
@@ -82,8 +82,8 @@ SoftDef softFromMesh(TetrahedronMesh mesh) {
   return out;
 }
 
-SoftDef softFromSurface(const TriangleMesh& surface, double cell) {
-  return softFromMesh(tetrahedralize(surface, cell));
+TetSolidDef tetSolidFromSurface(const TriangleMesh& surface, double cell) {
+  return tetSolidFromMesh(tetrahedralize(surface, cell));
 }
 
 ClothDef clothFromMesh(const TriangleMesh& mesh) {
@@ -107,12 +107,12 @@ ClothDef clothFromMesh(const TriangleMesh& mesh) {
   return out;
 }
 
-RodDef rodAlong(const std::vector<Vec3>& points, double segment, bool closed) {
+CableDef cableAlong(const std::vector<Vec3>& points, double segment, bool closed) {
   checks::positive(segment, "segment");
   checks::finite(points, "points");
   if (points.size() < (closed ? 3u : 2u))
     throw Error("points", "at least " + std::to_string(closed ? 3 : 2), std::to_string(points.size()));
-  RodDef out;
+  CableDef out;
   out.closed = closed;
   const std::size_t pieces = points.size() - (closed ? 0 : 1);
   std::vector<double> reached{0};

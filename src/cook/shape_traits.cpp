@@ -59,7 +59,7 @@ struct CapsuleTraits {
                               *kDoc = "cylinder along local z with half balls at its ends";
   static constexpr std::tuple kFields{
       kRadius,
-      field("length", "m", "the distance of the centres of its two ends", &Shape::halfLength, kDoubled)};
+      field("length", "m", "the distance of the centers of its two ends", &Shape::halfLength, kDoubled)};
   static CookedData core(const Shape& s) { return {ShapeKind::Capsule, {0, 0, s.halfLength}, s.radius}; }
   static MassProperties massProperties(const Shape& s, double density) {
     const double r = s.radius, l = s.halfLength;

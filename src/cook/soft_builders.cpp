@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <rubble/deformables.h>
 #include <rubble/error.h>
-#include <rubble/soft.h>
 
 namespace rubble {
 
@@ -12,13 +12,13 @@ namespace {
 /// startsHigh(axis, cell): the path starts at the high end of that axis. It depends on the position along
 /// that axis only, so neighboring cells match.
 template <class StartsHigh>
-SoftDef lattice(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells,
-                StartsHigh&& startsHigh) {
+TetSolidDef lattice(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells,
+                    StartsHigh&& startsHigh) {
   const auto [nx, ny, nz] = cells;
   const auto index = [&, nx = nx, ny = ny](const int(&at)[3]) {
     return at[0] + (nx + 1) * (at[1] + (ny + 1) * at[2]);
   };
-  SoftDef d;
+  TetSolidDef d;
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= ny; ++j)
       for (int i = 0; i <= nx; ++i)
@@ -51,20 +51,20 @@ SoftDef lattice(const Vec3& corner, const Vec3& size, const std::array<int, 3>& 
 
 }  // namespace
 
-SoftDef softBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells) {
+TetSolidDef tetBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells) {
   for (std::size_t k = 0; k < 3; ++k)
     if (cells[k] < 1 || !(size[int(k)] > 0))
-      throw Error("softBox", "a positive size and at least one cell each way", "others");
+      throw Error("tetBox", "a positive size and at least one cell each way", "others");
   return lattice(corner, size, cells, [](int, int) { return false; });
 }
 
-SoftDef softBall(const Vec3& center, double radius, int cells) {
+TetSolidDef tetBall(const Vec3& center, double radius, int cells) {
   if (cells < 2 || !(radius > 0))
-    throw Error("softBall", "a positive radius and at least two cells each way", "others");
+    throw Error("tetBall", "a positive radius and at least two cells each way", "others");
   // Paths start at the cell corner nearest to the center, which all six tetrahedra share. Otherwise
   // tetrahedra at the edges of the cube would have all corners on the surface and be flat.
-  SoftDef d = lattice({-1, -1, -1}, {2, 2, 2}, {cells, cells, cells},
-                      [&](int, int cell) { return 2 * cell + 1 < cells; });
+  TetSolidDef d = lattice({-1, -1, -1}, {2, 2, 2}, {cells, cells, cells},
+                          [&](int, int cell) { return 2 * cell + 1 < cells; });
   for (Vec3& x : d.vertices) {
     // the shell at distance r from the center of the cube becomes the sphere of radius r
     const double shell = std::max({std::fabs(x.x), std::fabs(x.y), std::fabs(x.z)}), size = length(x);
@@ -95,9 +95,9 @@ ClothDef clothSheet(const Vec3& corner, const Vec3& u, const Vec3& v, int cellsU
   return d;
 }
 
-RodDef straightRod(const Vec3& from, const Vec3& to, int segments) {
-  if (segments < 1) throw Error("straightRod", "at least one segment", std::to_string(segments));
-  RodDef d;
+CableDef straightCable(const Vec3& from, const Vec3& to, int segments) {
+  if (segments < 1) throw Error("straightCable", "at least one segment", std::to_string(segments));
+  CableDef d;
   for (int i = 0; i <= segments; ++i) d.vertices.push_back(from + (to - from) * (double(i) / segments));
   return d;
 }

@@ -1,13 +1,13 @@
 #pragma once
 /// Authored fields of deformable objects and attachments. Scene files and listings are generated from them.
-#include <rubble/soft.h>
+#include <rubble/deformables.h>
 
 #include "math/field.h"
 
 namespace rubble {
 
 /// Keywords of the kinds, in the order of Deformable.
-inline constexpr const char* kDeformableKeywords[] = {"soft", "cloth", "rod", "net", "particles"};
+inline constexpr const char* kDeformableKeywords[] = {"tet_solid", "cloth", "cable", "net", "particles"};
 
 /// Fields that all kinds share.
 inline constexpr std::tuple kDeformableFields{
@@ -16,7 +16,7 @@ inline constexpr std::tuple kDeformableFields{
     field("start", "m", "where the vertices start; at rest if it is not given", &DeformableDef::start),
     field("fixed", "1", "vertices that never move", &DeformableDef::fixed),
     field("velocity", "m/s", "at the beginning", &DeformableDef::velocity),
-    field("angular_velocity", "rad/s", "about the centre of mass", &DeformableDef::angularVelocity),
+    field("angular_velocity", "rad/s", "about the center of mass", &DeformableDef::angularVelocity),
     field("material", "1", "of the surface; without rolling friction and belt", &DeformableDef::material),
     field("gravity_scale", "1", "factor on the scene's gravity", &DeformableDef::gravityScale),
     field("collide", "1", "with bodies", &DeformableDef::collide),
@@ -30,15 +30,15 @@ inline constexpr std::tuple kDeformableFields{
 /// Fields of one kind.
 template <class D> inline constexpr std::tuple<> kOwnFields;
 template <>
-inline constexpr std::tuple kOwnFields<SoftDef>{
-    field("tetrahedra", "1", "four vertices each, of positive volume", &SoftDef::tetrahedra),
-    field("youngs_modulus", "Pa", "E", &SoftDef::youngsModulus),
-    field("poisson_ratio", "1", "nu, 0 to below .5", &SoftDef::poissonRatio),
-    field("density", "kg/m3", "of the solid", &SoftDef::density),
-    field("viscosity", "Pa s", "of the strain rate", &SoftDef::viscosity),
-    field("yield_stress", "Pa", "von Mises stress at which it begins to flow", &SoftDef::yieldStress),
-    field("hardening", "Pa", "of the yield stress, for each unit of plastic strain", &SoftDef::hardening),
-    field("contact_radius", "m", "how far from a vertex its surface lies", &SoftDef::contactRadius)};
+inline constexpr std::tuple kOwnFields<TetSolidDef>{
+    field("tetrahedra", "1", "four vertices each, of positive volume", &TetSolidDef::tetrahedra),
+    field("youngs_modulus", "Pa", "E", &TetSolidDef::youngsModulus),
+    field("poisson_ratio", "1", "nu, 0 to below .5", &TetSolidDef::poissonRatio),
+    field("density", "kg/m3", "of the solid", &TetSolidDef::density),
+    field("viscosity", "Pa s", "of the strain rate", &TetSolidDef::viscosity),
+    field("yield_stress", "Pa", "von Mises stress at which it begins to flow", &TetSolidDef::yieldStress),
+    field("hardening", "Pa", "of the yield stress, for each unit of plastic strain", &TetSolidDef::hardening),
+    field("contact_radius", "m", "how far from a vertex its surface lies", &TetSolidDef::contactRadius)};
 template <>
 inline constexpr std::tuple kOwnFields<ClothDef>{
     field("triangles", "1", "three vertices each", &ClothDef::triangles),
@@ -55,13 +55,13 @@ inline constexpr std::tuple kOwnFields<ClothDef>{
     field("tear_stretch", "1", "length over rest length at which a triangle tears", &ClothDef::tearStretch),
     field("pressure", "Pa", "inside over outside, of a closed sheet", &ClothDef::pressure)};
 template <>
-inline constexpr std::tuple kOwnFields<RodDef>{
-    field("closed", "1", "a ring", &RodDef::closed),
-    field("radius", "m", "of its circular section; also in contact", &RodDef::radius),
-    field("youngs_modulus", "Pa", "E", &RodDef::youngsModulus),
-    field("density", "kg/m3", "of the rod", &RodDef::density),
-    field("viscosity", "Pa s", "of the stretch rate", &RodDef::viscosity),
-    field("break_force", "N", "tension at which a segment breaks", &RodDef::breakForce)};
+inline constexpr std::tuple kOwnFields<CableDef>{
+    field("closed", "1", "a ring", &CableDef::closed),
+    field("radius", "m", "of its circular section; also in contact", &CableDef::radius),
+    field("youngs_modulus", "Pa", "E", &CableDef::youngsModulus),
+    field("density", "kg/m3", "of the cable", &CableDef::density),
+    field("viscosity", "Pa s", "of the stretch rate", &CableDef::viscosity),
+    field("break_force", "N", "tension at which a segment breaks", &CableDef::breakForce)};
 template <>
 inline constexpr std::tuple kOwnFields<NetDef>{
     field("masses", "kg", "of each vertex; one number serves all", &NetDef::masses),

@@ -99,7 +99,7 @@ SolidSums sumsOf(const MassProperties& mass) {
   s.volume = mass.mass;
   const Vec3& i = mass.inertia;
   s.second = {(i.y + i.z - i.x) / 2, (i.x + i.z - i.y) / 2, (i.x + i.y - i.z) / 2, 0, 0, 0};
-  return placed(s, mass.centre, mass.axes, 1);
+  return placed(s, mass.center, mass.axes, 1);
 }
 
 SolidSums placed(const SolidSums& s, const Vec3& position, const Quat& q, double density) {
@@ -125,8 +125,8 @@ SolidSums placed(const SolidSums& s, const Vec3& position, const Quat& q, double
 MassProperties principal(const SolidSums& s) {
   MassProperties out;
   out.mass = s.volume;
-  out.centre = s.first / s.volume;
-  const SolidSums c = placed(s, -out.centre, Quat{}, 1);
+  out.center = s.first / s.volume;
+  const SolidSums c = placed(s, -out.center, Quat{}, 1);
   const double xx = c.second[0], yy = c.second[1], zz = c.second[2];
   Symmetric inertia{{{yy + zz, -c.second[3], -c.second[4]},
                      {-c.second[3], xx + zz, -c.second[5]},

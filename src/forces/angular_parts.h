@@ -7,7 +7,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// A rotation angle that is continued beyond half a revolution.
-struct TurnCounter {
+struct RevolutionCounter {
   Real angle;  ///< at x^t, in [-pi, pi] [rad]
   int turns;   ///< full revolutions in addition
 
@@ -28,7 +28,7 @@ struct TurnCounter {
 
 /// Memory of a joint with one continued angle: the twist of its frames about x.
 struct TwistMemory {
-  TurnCounter twist;
+  RevolutionCounter twist;
   template <class D> RUBBLE_HD void remember(const D& d, const Pose& a, const Pose& b, const Vec3d&);
 };
 

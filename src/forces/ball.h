@@ -1,6 +1,6 @@
 #pragma once
 /// Ball joint: two anchors coincide (AnchorRows). With a finite stiffness, a damper and a largest force it is
-/// a grab: a soft drag.
+/// a drag joint: a soft spring.
 #include "forces/linear_parts.h"
 #include "forces/swing_twist.h"
 
@@ -30,10 +30,10 @@ struct BallKind {
     b.joint.constants.set(SwingTwistJoint::Constants{normalize(b.def.driveOrientation)});
   }
 };
-struct GrabKind {
+struct DragKind {
   using Joint = BallJoint;
-  static constexpr JointType kType = JointType::Grab;
-  static constexpr const char* kName = "grab";
+  static constexpr JointType kType = JointType::Drag;
+  static constexpr const char* kName = "drag";
   static constexpr const char* kDoc = "soft drag of A's anchor to B's, with a largest force";
   static constexpr auto kFields = std::tuple_cat(kAnchorFields, kStiffnessField, kDampingFields,
                                                  kMaxForceField);
@@ -42,7 +42,8 @@ struct GrabKind {
     b.joint.isRigid = false;
   }
   static void check(const JointDef& def, const std::string& path) {
-    if (def.stiffness == kHard) throw Error(path + ".stiffness", "a finite stiffness for a grab", "hard");
+    if (def.stiffness == kHard)
+      throw Error(path + ".stiffness", "a finite stiffness for a drag joint", "hard");
   }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 /// Elements that scenes may name: those of ElementTypes with kDoc and kFields (math/field.h), the authored
 /// members of their Model. Reader, writer, validation and listing follow from these.
-#include <rubble/soft.h>
+#include <rubble/deformables.h>
 
 #include "math/field.h"
 

@@ -18,7 +18,7 @@ namespace rubble::RUBBLE_CORE {
 
 /// What scenes call joints (forces/joint_build.h). Their joints are numbered in the order of first
 /// appearance.
-using JointKinds = TypeList<BallKind, GrabKind, FixedKind, AngularSpringKind, HingeKind, SliderKind,
+using JointKinds = TypeList<BallKind, DragKind, FixedKind, AngularSpringKind, HingeKind, SliderKind,
                             DistanceKind, RopeKind, SpringKind, UniversalKind, SwingTwistKind, SixDofKind,
                             GearKind, RackKind, PulleyKind RUBBLE_EXTRA_JOINTS>;
 

@@ -36,20 +36,20 @@ RUBBLE_HD inline void accumulateMeanRows(Block6& block, const Vec3& lin, const M
 
 /// Calls f(corner, s) for the corners inside.
 template <int N, class Function>
-RUBBLE_HD void forEachInside(const Vec3 (&x)[N], unsigned mask, const Vec3& centre, Function&& f) {
+RUBBLE_HD void forEachInside(const Vec3 (&x)[N], unsigned mask, const Vec3& center, Function&& f) {
   for (int k = 0; k < N; ++k)
-    if (mask >> k & 1u) f(k, x[k] - centre);
+    if (mask >> k & 1u) f(k, x[k] - center);
 }
 
 RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Membrane& e, const Vec3 (&x)[3],
-                                             unsigned mask, const Vec3& centre, Real scale, Block6& block) {
+                                             unsigned mask, const Vec3& center, Real scale, Block6& block) {
   const Membrane::Columns f = e.deformation(x);
   Real error[Membrane::kRows];
   Membrane::strains(f, error);
   Vec6 rows[Membrane::kRows]{};
   Membrane::Gradient m{0, 0};
   Vec3 bx{0, 0, 0}, by{0, 0, 0};
-  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+  forEachInside(x, mask, center, [&](int k, const Vec3& s) {
     const Membrane::Gradient g = e.gradient(k);
     const Vec3 a = f.f1 * g.x, b = f.f2 * g.y;
     const Vec3 j[3] = {a + b, a - b, f.f1 * g.y + f.f2 * g.x};
@@ -73,19 +73,19 @@ RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Membr
 
 template <int N>
 RUBBLE_HD void accumulateGroupHessian(const StepConstants&, const QuadraticBend<N>& e, const Vec3 (&x)[N],
-                                      unsigned mask, const Vec3& centre, Real scale, Block6& block) {
+                                      unsigned mask, const Vec3& center, Real scale, Block6& block) {
   Real lin = 0;
   Vec3 ang{0, 0, 0};
-  forEachInside(x, mask, centre, [&](int k, const Vec3& s) { lin += e.weight[k], ang += e.weight[k] * s; });
+  forEachInside(x, mask, center, [&](int k, const Vec3& s) { lin += e.weight[k], ang += e.weight[k] * s; });
   accumulateMeanRows(block, lin, ang, scale * e.stiffness);
 }
 
 RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const FoldBend& e, const Vec3 (&x)[4],
-                                             unsigned mask, const Vec3& centre, Real scale, Block6& block) {
+                                             unsigned mask, const Vec3& center, Real scale, Block6& block) {
   const FoldBend::Fold f = e.fold(x);
   if (!f.valid) return;
   Vec6 row{{0, 0, 0}, {0, 0, 0}};
-  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+  forEachInside(x, mask, center, [&](int k, const Vec3& s) {
     const Vec3 g = e.gradient(f, x, k);
     row.lin += g, row.ang += cross(s, g);
   });
@@ -93,7 +93,7 @@ RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const FoldB
 }
 
 RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Spring& e, const Vec3 (&x)[2],
-                                             unsigned mask, const Vec3& centre, Real scale, Block6& block) {
+                                             unsigned mask, const Vec3& center, Real scale, Block6& block) {
   const Vec3 d = x[0] - x[1];
   const Real l = length(d);
   if (!(l > Real(1e-6) * e.restLength)) return;
@@ -102,7 +102,7 @@ RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Sprin
   Vec6 row{{0, 0, 0}, {0, 0, 0}};
   Real lin = 0;
   Vec3 ang{0, 0, 0};
-  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+  forEachInside(x, mask, center, [&](int k, const Vec3& s) {
     const Real sign = k == 0 ? Real(1) : Real(-1);
     row.lin += sign * u, row.ang += cross(s, sign * u);
     lin += sign, ang += sign * s;
@@ -115,10 +115,10 @@ RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Sprin
 /// For elements without a formula of their own: an upper bound by the traces of the Hessians of the corners.
 template <class F>
 RUBBLE_HD void boundGroupHessian(const StepConstants& c, const F& e, const Vec3 (&x)[F::kCorners],
-                                 unsigned mask, const Vec3& centre, Real scale, Block6& block) {
+                                 unsigned mask, const Vec3& center, Real scale, Block6& block) {
   int inside = 0;
-  forEachInside(x, mask, centre, [&](int, const Vec3&) { ++inside; });
-  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+  forEachInside(x, mask, center, [&](int, const Vec3&) { ++inside; });
+  forEachInside(x, mask, center, [&](int k, const Vec3& s) {
     Block3 own;
     e.accumulate(c, x, k, own);
     accumulateMeanRows(block, Real(1), s, scale * Real(inside) * (own.h.xx + own.h.yy + own.h.zz));
@@ -128,28 +128,28 @@ RUBBLE_HD void boundGroupHessian(const StepConstants& c, const F& e, const Vec3 
 /// Adds force and Hessian of an element with corners inside and outside. `scale`: factor on the Hessian.
 template <class F>
 RUBBLE_HD void accumulateGroup(const StepConstants& c, const F& e, const Vec3 (&x)[F::kCorners],
-                               unsigned mask, const Vec3& centre, Real scale, Block6& block) {
-  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+                               unsigned mask, const Vec3& center, Real scale, Block6& block) {
+  forEachInside(x, mask, center, [&](int k, const Vec3& s) {
     Block3 own;
     e.accumulate(c, x, k, own);
     block.fl += own.f, block.fa += cross(s, own.f);
   });
-  if constexpr (requires { accumulateGroupHessian(c, e, x, mask, centre, scale, block); })
-    accumulateGroupHessian(c, e, x, mask, centre, scale, block);
+  if constexpr (requires { accumulateGroupHessian(c, e, x, mask, center, scale, block); })
+    accumulateGroupHessian(c, e, x, mask, center, scale, block);
   else
-    boundGroupHessian(c, e, x, mask, centre, scale, block);
+    boundGroupHessian(c, e, x, mask, center, scale, block);
 }
 
 /// The tetrahedron, all corners at once. With m = sum m_a and B = sum s_a m_a^T over the corners inside
 /// (columns b_i), the force is -P m, the moment -sum b_i x P_i, and the row of J has J_S = (K m, sum b_i x
 /// K_i), K = cof F.
 RUBBLE_HD inline void accumulateGroup(const StepConstants& c, const Tetrahedron& e, const Vec3 (&x)[4],
-                                      unsigned mask, const Vec3& centre, Real scale, Block6& block) {
+                                      unsigned mask, const Vec3& center, Real scale, Block6& block) {
   const Mat3 f = e.deformation(x), k = Tetrahedron::cofactors(f), p = e.stress(c, f, k, e.strainStart);
   Vec3 m{0, 0, 0};
   Mat3 b{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
   for (int corner = 0; corner < Tetrahedron::kCorners; ++corner) {
-    const Vec3 g = Real(mask >> corner & 1u) * e.gradient(corner), s = x[corner] - centre;
+    const Vec3 g = Real(mask >> corner & 1u) * e.gradient(corner), s = x[corner] - center;
     m += g;
     b.c0 += g.x * s, b.c1 += g.y * s, b.c2 += g.z * s;
   }

@@ -32,7 +32,7 @@ struct HingeKind {
       kDoc = "hinge: A turns about the x axis of the joint, counted over whole turns";
   static constexpr auto kFields = std::tuple_cat(kAnchorFields, kFrameFields, kStiffnessField,
                                                  kAngularStiffnessField, kBreakFields);
-  static void build(JointBuild& b) { b.joint.groups = {b.held(), b.heldTurns()}; }
+  static void build(JointBuild& b) { b.joint.groups = {b.held(), b.heldRotations()}; }
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -7,7 +7,7 @@
 ///   Memory     state besides multipliers that is kept between steps (NoMemory, or a struct with
 ///              remember(data, a, b, origin))
 ///   kGrounded  true: its errors change when both bodies move rigidly together (it refers to the world)
-///   kCarried   true: the axes of A and B are fixed in two further frame bodies, the carriers (optional;
+///   kHasFrameBodies   true: the axes of A and B are fixed in two further frame bodies, the frame bodies (optional;
 ///              gears and racks)
 ///   kChooses   true: its parts are activated step by step (optional): choose(spec, joint, a, b, bodies)
 ///              decides, Memory::takesPart(part) tells
@@ -18,7 +18,7 @@
 ///
 ///   constraint       C(x), for the poses of A and B in a common frame
 ///   jacobian         dC/dx of A (side 0) or B (side 1), rotations in world axes on the left; sides 2 and 3:
-///                    the carriers of A and of B
+///                    the frame bodies of A and of B
 ///   curvature        column norms of sum F d2C/dx2 of that body
 ///   turns            axes: what full revolutions add to the coordinate (optional)
 ///   kStiffnessShare  axes: factor on the row inertia in k_start and in the growth of k (optional)
@@ -37,9 +37,9 @@ namespace rubble::RUBBLE_CORE {
 /// Body index of the fixed world.
 inline constexpr int kWorldBody = -1;
 
-template <class F> constexpr bool isCarried() {
-  if constexpr (requires { F::kCarried; })
-    return F::kCarried;
+template <class F> constexpr bool hasFrameBodies() {
+  if constexpr (requires { F::kHasFrameBodies; })
+    return F::kHasFrameBodies;
   else
     return false;
 }
@@ -49,22 +49,23 @@ template <class F> constexpr bool choosesParts() {
   else
     return false;
 }
-/// Sides of a joint: A, B and, if kCarried, the carriers of A and of B. One body may be on several sides.
-template <class F> inline constexpr int kSides = isCarried<F>() ? 4 : 2;
+/// Sides of a joint: A, B and, if kHasFrameBodies, the frame bodies of A and of B. One body may be on several
+/// sides.
+template <class F> inline constexpr int kSides = hasFrameBodies<F>() ? 4 : 2;
 
-/// Pose of a body and of the carrier of its axis.
-struct CarriedPose : Pose {
-  Pose carrier;
+/// Pose of a body and of the frame body of its axis.
+struct FrameBodyPose : Pose {
+  Pose frameBody;
 };
 /// Pose of A or B as the parts of a joint of type F read it.
-template <class F> using SidePose = std::conditional_t<isCarried<F>(), CarriedPose, Pose>;
+template <class F> using SidePose = std::conditional_t<hasFrameBodies<F>(), FrameBodyPose, Pose>;
 
-/// Body indices of the carriers, or kWorldBody. Empty for joints without.
-template <bool carried> struct Carriers {};
-template <> struct Carriers<true> { int carrierA, carrierB; };
-/// Positions of the carriers relative to p_B at x^t; 0 for the world, whose origin is at p_B [m].
-template <bool carried> struct CarrierOffsets {};
-template <> struct CarrierOffsets<true> { Vec3 offsetCarrierA, offsetCarrierB; };
+/// Body indices of the frame bodies, or kWorldBody. Empty for joints without.
+template <bool present> struct FrameBodies {};
+template <> struct FrameBodies<true> { int frameBodyA, frameBodyB; };
+/// Positions of the frame bodies relative to p_B at x^t; 0 for the world, whose origin is at p_B [m].
+template <bool present> struct FrameOffsets {};
+template <> struct FrameOffsets<true> { Vec3 offsetFrameA, offsetFrameB; };
 
 /// Stiffness share of couplings (gear, rack, pulley), which accelerate two bodies together. At 1 and 4
 /// iterations the heavier mass of a pulley falls at 0.85 of its acceleration, and a rack at 0.76
@@ -79,28 +80,29 @@ struct AnchorRows;
 /// on the type (forces/joint_accumulation.h).
 template <class F> constexpr bool isPivot() {
   return []<class First, class... P>(PartList<First, P...>) {
-    return std::is_same_v<First, AnchorRows> && ((P::kUnit == RowUnit::Angular) && ...) && !isCarried<F>();
+    return std::is_same_v<First, AnchorRows> && ((P::kUnit == RowUnit::Angular) && ...) &&
+           !hasFrameBodies<F>();
   }(typename F::Parts{});
 }
 
 /// Does part P depend on the rotation of A relative to B only? Its rows are linearized once per iteration
 /// (forces/joint_accumulation.h).
-template <class F, class P> constexpr bool isTurn() {
-  return P::kUnit == RowUnit::Angular && !isCarried<F>();
+template <class F, class P> constexpr bool isAngular() {
+  return P::kUnit == RowUnit::Angular && !hasFrameBodies<F>();
 }
 /// Number of force laws of such a part: limit, drive and friction for an axis, else one.
-template <class F, class P> constexpr int turnLaws() { return !isTurn<F, P>() ? 0 : P::kAxis ? 3 : 1; }
+template <class F, class P> constexpr int angularLaws() { return !isAngular<F, P>() ? 0 : P::kAxis ? 3 : 1; }
 /// Number of force laws of the parts of F before part I; without I, of all parts.
-template <class F, int I = F::Parts::kCount> constexpr int firstTurnLaw() {
+template <class F, int I = F::Parts::kCount> constexpr int firstAngularLaw() {
   int laws = 0, part = 0;
   [&]<class... P>(PartList<P...>) {
-    ((laws += part++ < I ? turnLaws<F, P>() : 0), ...);
+    ((laws += part++ < I ? angularLaws<F, P>() : 0), ...);
   }(typename F::Parts{});
   return laws;
 }
-template <class F> constexpr bool hasAngularRows() { return firstTurnLaw<F>() > 0; }
+template <class F> constexpr bool hasAngularRows() { return firstAngularLaw<F>() > 0; }
 /// Bit of force law `law` in JointFrame::acting. Bit 0 is the first part.
-constexpr int turnBit(int law) { return 1 + law; }
+constexpr int angularBit(int law) { return 1 + law; }
 
 /// Authored parameters of a group of rows. Joint records are aligned for loadVectorized.
 struct alignas(4 * sizeof(Real)) GroupSpec {
@@ -153,7 +155,7 @@ struct NoMemory {
 };
 
 /// Authored data of a joint of type F. Read-only in a step.
-template <class F> struct JointSpec : Carriers<isCarried<F>()> {
+template <class F> struct JointSpec : FrameBodies<hasFrameBodies<F>()> {
   typename F::Data data;
   int a, b;  ///< bodies, or kWorldBody
   bool alive;
@@ -179,7 +181,7 @@ struct PivotFrame : JointFrame {
 template <class F> using FrameOf = std::conditional_t<isPivot<F>(), PivotFrame, JointFrame>;
 
 /// State of a joint of type F.
-template <class F> struct Joint : FrameOf<F>, CarrierOffsets<isCarried<F>()> {
+template <class F> struct Joint : FrameOf<F>, FrameOffsets<hasFrameBodies<F>()> {
   int broken;       ///< 0, 1
   int active;       ///< 0, 1: active in this step
   int sharedLevel;  ///< finest aggregate level at which its bodies share a cell (stages/coarse/aggregates.h)
@@ -192,13 +194,13 @@ template <class F> RUBBLE_HD FrameOf<F>& frameOf(Joint<F>& joint) { return joint
 template <class F> RUBBLE_HD const FrameOf<F>& frameOf(const Joint<F>& joint) { return joint; }
 
 template <class F> RUBBLE_HD int bodyOf(const JointSpec<F>& spec, int side) {
-  if constexpr (isCarried<F>())
-    if (side >= 2) return side == 2 ? spec.carrierA : spec.carrierB;
+  if constexpr (hasFrameBodies<F>())
+    if (side >= 2) return side == 2 ? spec.frameBodyA : spec.frameBodyB;
   return side == 0 ? spec.a : spec.b;
 }
 /// Is `side` the first side of its body?
 template <class F> RUBBLE_HD bool isFirstSide(const JointSpec<F>& spec, int side) {
-  if constexpr (isCarried<F>())
+  if constexpr (hasFrameBodies<F>())
     for (int k = 0; k < side; ++k)
       if (bodyOf(spec, k) == bodyOf(spec, side)) return false;
   return true;
@@ -209,7 +211,7 @@ template <class P, class F>
 RUBBLE_HD void jacobianOf(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
                           const SidePose<F>& b, int side, Vec6 (&j)[P::kRows]) {
   P::jacobian(spec.data, joint.memory, a, b, side, j);
-  if constexpr (isCarried<F>())
+  if constexpr (hasFrameBodies<F>())
     for (int k = 0; k < kSides<F>; ++k) {
       if (k == side || bodyOf(spec, k) != bodyOf(spec, side)) continue;
       Vec6 more[P::kRows];
@@ -222,7 +224,7 @@ template <class P, class F>
 RUBBLE_HD Vec6 curvatureOf(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
                            const SidePose<F>& b, int side, const Real (&f)[P::kRows]) {
   Vec6 sum = P::curvature(spec.data, joint.memory, a, b, side, f);
-  if constexpr (isCarried<F>())
+  if constexpr (hasFrameBodies<F>())
     for (int k = 0; k < kSides<F>; ++k) {
       if (k == side || bodyOf(spec, k) != bodyOf(spec, side)) continue;
       const Vec6 more = P::curvature(spec.data, joint.memory, a, b, k, f);
@@ -325,16 +327,16 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
     const Quat& q = side == 0 ? a.q : b.q;
     return axisInertia(body, q, side == 0 ? ja[0] : jb[0], leverOf(spec.data, q, side));
   });
-  if constexpr (isCarried<F>())
+  if constexpr (hasFrameBodies<F>())
     for (int side = 2; side < kSides<F>; ++side) {
       if (!isFirstSide(spec, side) || !(bodies[side].mass > Real(0))) continue;
       Vec6 j[1];
       jacobianOf<P>(spec, joint, a, b, side, j);
       at.change += dot(j[0], bodies[side].change);
-      // the Jacobian of a carrier may vanish, as for wheels that counter-rotate
+      // the Jacobian of a frame body may vanish, as for wheels that counter-rotate
       const Real arm = P::kUnit == RowUnit::Linear ? joint.length : Real(1);
       if (!(lengthSquared(j[0].lin) + lengthSquared(j[0].ang) / (arm * arm) > Real(1e-8))) continue;
-      const Real own = axisInertia(bodies[side], side == 2 ? a.carrier.q : b.carrier.q, j[0], {0, 0, 0});
+      const Real own = axisInertia(bodies[side], side == 2 ? a.frameBody.q : b.frameBody.q, j[0], {0, 0, 0});
       at.inertia = at.inertia > Real(0) ? min(at.inertia, own) : own;
     }
   // block descent moves one body at a time, so two bodies that a coupling accelerates together lag behind in
@@ -358,7 +360,8 @@ template <class P> RUBBLE_HD RUBBLE_NEAR bool partActs(const PartSpec<P>& spec, 
 template <class F> RUBBLE_HD bool turnActs(int acting, int part) {
   bool active = false;
   forEachPart<F>([&]<int I, class P>() {
-    if (I == part) active = (acting >> turnBit(firstTurnLaw<F, I>()) & ((1 << turnLaws<F, P>()) - 1)) != 0;
+    if (I == part)
+      active = (acting >> angularBit(firstAngularLaw<F, I>()) & ((1 << angularLaws<F, P>()) - 1)) != 0;
   });
   return active;
 }
@@ -367,12 +370,12 @@ template <class F> RUBBLE_HD int actingRows(const JointSpec<F>& spec, const Join
   int acting = 0;
   forEachPart<F>([&]<int I, class P>() {
     const auto& rows = partOf<I>(joint.parts);
-    constexpr int kFirst = turnBit(firstTurnLaw<F, I>());
+    constexpr int kFirst = angularBit(firstAngularLaw<F, I>());
     if (I == 0) acting |= partActs<P>(partOf<I>(spec.parts), rows);
-    if constexpr (isTurn<F, P>() && P::kAxis) {
+    if constexpr (isAngular<F, P>() && P::kAxis) {
       const AxisRow* const laws[] = {&rows.limit, &rows.drive, &rows.friction};
-      for (int k = 0; k < turnLaws<F, P>(); ++k) acting |= (laws[k]->active != 0) << (kFirst + k);
-    } else if constexpr (isTurn<F, P>()) {
+      for (int k = 0; k < angularLaws<F, P>(); ++k) acting |= (laws[k]->active != 0) << (kFirst + k);
+    } else if constexpr (isAngular<F, P>()) {
       acting |= partActs<P>(partOf<I>(spec.parts), rows) << kFirst;
     }
   });

@@ -27,30 +27,30 @@ struct alignas(4 * sizeof(Real)) AngularRows {
 inline constexpr int kWatchedRow = -1;
 
 /// Linearization point of angular rows: rotation of B since x^t relative to that of A.
-struct alignas(4 * sizeof(Real)) TurnsFrom {
+struct alignas(4 * sizeof(Real)) AngularOrigin {
   Quat between;
 };
 /// Linearized angular rows of a joint.
 template <class F> struct JointAngularRows {
-  TurnsFrom from;
-  AngularRows law[hasAngularRows<F>() ? firstTurnLaw<F>() : 1];
+  AngularOrigin from;
+  AngularRows law[hasAngularRows<F>() ? firstAngularLaw<F>() : 1];
 };
 
-RUBBLE_HD inline TurnsFrom turnsFrom(const Quat& turnedA, const Quat& turnedB) {
+RUBBLE_HD inline AngularOrigin turnsFrom(const Quat& turnedA, const Quat& turnedB) {
   return {conjugate(turnedA) * turnedB};
 }
 /// Rotation of A relative to B since the linearization, in the axes of AngularRows::Row::turn [rad].
 /// `turnedA`, `turnedB`: rotations since x^t.
-RUBBLE_HD inline Vec3 turnedSince(const TurnsFrom& from, const Quat& turnedA, const Quat& turnedB) {
+RUBBLE_HD inline Vec3 turnedSince(const AngularOrigin& from, const Quat& turnedA, const Quat& turnedB) {
   return Real(2) * shortArc(conjugate(turnedB) * turnedA * from.between).v;
 }
 
 /// Linearizes force law `k` of a part at the present poses. Returns false if the law is inactive.
 template <class F, int I, class P>
-RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b,
-                             const Quat& turnedB, int k, AngularRows& out) {
+RUBBLE_HD bool linearizeAngularRow(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a,
+                                   const Pose& b, const Quat& turnedB, int k, AngularRows& out) {
   static_assert(P::kRows <= AngularRows::kMost);
-  if (!(joint.acting >> turnBit(firstTurnLaw<F, I>() + k) & 1)) return false;
+  if (!(joint.acting >> angularBit(firstAngularLaw<F, I>() + k) & 1)) return false;
   const auto& rows = loadVectorized(partOf<I>(joint.parts));
   Real error[P::kRows], force[P::kRows], hessian;
   partErrors<P>(spec, joint, rows, a, b, error);
@@ -83,9 +83,9 @@ RUBBLE_HD void linearizeAngularRows(const JointSpec<F>& spec, const Joint<F>& jo
                                     JointAngularRows<F>& out) {
   out.from = turnsFrom(turnedA, turnedB);
   forEachPart<F>([&]<int I, class P>() {
-    if constexpr (isTurn<F, P>())
-      for (int k = 0; k < turnLaws<F, P>(); ++k)
-        linearizeTurn<F, I, P>(spec, joint, a, b, turnedB, k, out.law[firstTurnLaw<F, I>() + k]);
+    if constexpr (isAngular<F, P>())
+      for (int k = 0; k < angularLaws<F, P>(); ++k)
+        linearizeAngularRow<F, I, P>(spec, joint, a, b, turnedB, k, out.law[firstAngularLaw<F, I>() + k]);
   });
 }
 
@@ -108,11 +108,11 @@ RUBBLE_HD RUBBLE_NEAR bool turnForces(const AngularRows& rows, const Vec3& turne
 
 /// Streams the linearized angular rows of a joint in a sweep. `ahead`: prefetches the first force law, which
 /// costs registers.
-template <bool ahead> class TurnStream {
+template <bool ahead> class AngularRowStream {
  public:
   /// `acting`: of the JointFrame. `from`, `laws`: may be null for joints without angular rows.
-  RUBBLE_HD RUBBLE_NEAR TurnStream(int acting, const TurnsFrom* from, const AngularRows* laws)
-      : from_(from), laws_(laws), left_(static_cast<unsigned>(acting) >> turnBit(0)) {
+  RUBBLE_HD RUBBLE_NEAR AngularRowStream(int acting, const AngularOrigin* from, const AngularRows* laws)
+      : from_(from), laws_(laws), left_(static_cast<unsigned>(acting) >> angularBit(0)) {
     if constexpr (ahead)
       if (left_ != 0) fetch();
   }
@@ -138,7 +138,7 @@ template <bool ahead> class TurnStream {
  private:
   RUBBLE_HD RUBBLE_NEAR void fetch() { next_ = loadVectorized(laws_[lowestBit(left_)]); }
 
-  const TurnsFrom* const from_;
+  const AngularOrigin* const from_;
   const AngularRows* const laws_;
   unsigned left_;
   AngularRows next_;
@@ -177,7 +177,7 @@ RUBBLE_HD void accumulateJoint(const JointSpec<F>& spec, const Joint<F>& joint,
                                const Quat& turnedA, const Quat& turnedB, int side, Block6& block,
                                const Vec3& shift = {0, 0, 0}) {
   forEachPart<F>([&]<int I, class P>() {
-    if constexpr (!isTurn<F, P>()) {
+    if constexpr (!isAngular<F, P>()) {
       const auto& rows = loadVectorized(partOf<I>(joint.parts));
       if (!partActs<P>(partOf<I>(spec.parts), rows)) return;
       Real error[P::kRows], force[P::kRows], hessian;
@@ -191,7 +191,7 @@ RUBBLE_HD void accumulateJoint(const JointSpec<F>& spec, const Joint<F>& joint,
     }
   });
   if constexpr (hasAngularRows<F>())
-    TurnStream<false>(joint.acting, &turns->from, turns->law).accumulate(turnedA, turnedB, side, block);
+    AngularRowStream<false>(joint.acting, &turns->from, turns->law).accumulate(turnedA, turnedB, side, block);
 }
 
 /// Adds all rows of a joint to the block of an aggregate that contains the sides in the bit mask `inside`.

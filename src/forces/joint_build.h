@@ -44,7 +44,7 @@ struct JointBuild {
   EngineGroup orientation() const;
   /// Rows without damper and bound, with the linear and the angular stiffness.
   EngineGroup held() const { return {GroupMode::Hold, def.stiffness, 0, kHard}; }
-  EngineGroup heldTurns() const { return {GroupMode::Hold, def.angularStiffness, 0, kHard}; }
+  EngineGroup heldRotations() const { return {GroupMode::Hold, def.angularStiffness, 0, kHard}; }
   static EngineGroup off() { return {GroupMode::Off, kHard, 0, kHard}; }
   /// Friction against all rotations [N m].
   EngineGroup friction() const;

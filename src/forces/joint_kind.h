@@ -16,7 +16,7 @@ struct JointKind {
   const char* doc;
   int rows, axes;
   const char* axisUnit;               ///< "m" or "rad", or "m, rad" if there are both
-  bool isCarried;                     ///< may its axes lie in frame bodies?
+  bool hasFrameBodies;                ///< may its axes lie in frame bodies?
   std::vector<JointField> fields;     ///< in the order of K::kFields
   std::vector<JointField> ownFields;  ///< those in JointDef::own
   EngineJoint (*build)(const JointDef&, const JointBodies&, const EngineJoint* before);

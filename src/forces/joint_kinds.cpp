@@ -66,7 +66,7 @@ template <class K, class Joints> JointKind describeKind() {
     if (P::kAxis) (P::kUnit == RowUnit::Linear ? linear : angular) = true;
   });
   kind.axisUnit = linear && angular ? "m, rad" : linear ? "m" : "rad";
-  kind.isCarried = isCarried<F>();
+  kind.hasFrameBodies = hasFrameBodies<F>();
   kind.fields = anyFields<JointDef, K, InJoint>();
   std::size_t at = 0;
   const auto sort = [&]<class O, class T>(const Field<O, T>&) {

@@ -44,7 +44,7 @@ class JointConstants {
 struct EngineJoint {
   int type = 0;  ///< index into JointTypes
   int a = kWorld, b = kWorld;
-  int carrierA = kWorld, carrierB = kWorld;  ///< frame bodies of the axes
+  int frameBodyA = kWorld, frameBodyB = kWorld;  ///< frame bodies of the axes
   bool alive = false;
   bool isRigid = true;  ///< rigidly connects its bodies (joint trees, aggregates, ccd islands)
   Vec3 anchorA, anchorB;
@@ -66,7 +66,7 @@ struct JointBodyState {
 };
 struct JointBodies {
   JointBodyState a, b;
-  JointBodyState carrierA = {}, carrierB = {};
+  JointBodyState frameBodyA = {}, frameBodyB = {};
 };
 
 }  // namespace rubble

@@ -29,7 +29,7 @@ struct SliderKind {
   static constexpr const char* kDoc = "slider: A travels along the x axis of the joint and does not turn";
   static constexpr auto kFields = std::tuple_cat(kAnchorFields, kFrameFields, kOrientationField,
                                                  kStiffnessField, kAngularStiffnessField, kBreakFields);
-  static void build(JointBuild& b) { b.joint.groups = {b.held(), b.heldTurns()}; }
+  static void build(JointBuild& b) { b.joint.groups = {b.held(), b.heldRotations()}; }
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <vector>
 
-#include <rubble/soft.h>
+#include <rubble/deformables.h>
 
 #include "forces/soft_forces.h"
 
@@ -75,7 +75,7 @@ inline bool isSoftNode(const SoftModel& m) {
   return !m.clusters.empty() && m.clusterOrder.size() == m.vertices.size();
 }
 
-/// Cooks a deformable object. Throws Error like validate() of soft.h.
+/// Cooks a deformable object. Throws Error like validate() of deformables.h.
 std::shared_ptr<const SoftModel> cookDeformable(const Deformable& def, const std::string& path);
 
 /// An attachment between vertices in engine numbering.

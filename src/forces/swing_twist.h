@@ -1,7 +1,7 @@
 #pragma once
 /// Ball joint with limits: the anchors coincide (AnchorRows). The x axis of A swings within a cone about that
 /// of B (DirectionAxis<SwingCone>) and twists within limits (TwistAxis). A drive acts toward an orientation
-/// (DriveRows), and friction against any rotation (TurnFrictionRows).
+/// (DriveRows), and friction against any rotation (AngularFrictionRows).
 #include <cmath>
 #include <numbers>
 
@@ -37,7 +37,7 @@ struct DriveRows {
 
 /// The same toward the relative orientation at x^t: any rotation is an error, and the bound is the friction
 /// torque.
-struct TurnFrictionRows {
+struct AngularFrictionRows {
   static constexpr int kRows = 3;
   static constexpr RowUnit kUnit = RowUnit::Angular;
   static constexpr bool kAxis = false;
@@ -65,9 +65,9 @@ struct TurnFrictionRows {
 struct SwingTwistJoint {
   static constexpr const char* kName = "swing_twist";
   static constexpr bool kGrounded = false;
-  using Parts = PartList<AnchorRows, DriveRows, TurnFrictionRows, DirectionAxis<SwingCone>, TwistAxis>;
+  using Parts = PartList<AnchorRows, DriveRows, AngularFrictionRows, DirectionAxis<SwingCone>, TwistAxis>;
   struct Memory {
-    TurnCounter twist;
+    RevolutionCounter twist;
     Quat start;  ///< joint frame of A relative to that of B, at x^t
     template <class D> RUBBLE_HD void remember(const D& d, const Pose& a, const Pose& b, const Vec3d&) {
       start = frameAInB(d, a, b);

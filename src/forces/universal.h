@@ -51,7 +51,7 @@ struct UniversalKind {
   static constexpr const char* kName = "universal";
   static constexpr const char* kDoc = "two shafts (x axes) joined by a cross of A's y and B's z axis";
   static constexpr auto kFields = HingeKind::kFields;
-  static void build(JointBuild& b) { b.joint.groups = {b.held(), b.heldTurns()}; }
+  static void build(JointBuild& b) { b.joint.groups = {b.held(), b.heldRotations()}; }
 };
 
 }  // namespace rubble::RUBBLE_CORE

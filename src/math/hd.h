@@ -17,9 +17,9 @@
 /// Keeps a large, rarely used function out of line, so that its registers do not count in the calling
 /// kernels.
 #if defined(__CUDACC__)
-#define RUBBLE_APART __noinline__
+#define RUBBLE_OUT_OF_LINE __noinline__
 #else
-#define RUBBLE_APART __attribute__((noinline))
+#define RUBBLE_OUT_OF_LINE __attribute__((noinline))
 #endif
 
 /// 1 in device code.

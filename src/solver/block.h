@@ -57,7 +57,7 @@ RUBBLE_HD inline void lockAxes(Block6& b, int locks) {
 
 /// Largest rotation of one Newton step [rad]. Rows are linearized in it; a small body hit off its center
 /// would otherwise take a step of several turns.
-inline constexpr Real kMostTurn = 1;
+inline constexpr Real kLargestRotation = 1;
 /// cos(angle / 2) of the rotation since x^t beyond which a Newton step may not rotate a body further (1.5
 /// rad).
 inline constexpr Real kMostTurned = Real(.7317);
@@ -67,11 +67,11 @@ inline constexpr Real kMostTurned = Real(.7317);
 RUBBLE_HD inline Vec6 trustedStep(const Block6& block, const Quat& q) {
   Vec6 dx = newtonStep(block);
   const Real turn2 = dot(dx.ang, dx.ang), turned = std::fabs(q.s);
-  if (turn2 > kMostTurn * kMostTurn) dx.ang *= kMostTurn / std::sqrt(turn2);
+  if (turn2 > kLargestRotation * kLargestRotation) dx.ang *= kLargestRotation / std::sqrt(turn2);
   const Real then = std::fabs(retract({{0, 0, 0}, q}, dx).q.s);
   const bool further = then < kMostTurned && then < turned;
   if (further) dx.ang = {0, 0, 0};
-  if (further || turn2 > kMostTurn * kMostTurn)
+  if (further || turn2 > kLargestRotation * kLargestRotation)
     dx.lin = solve(Block3{
         block.ll, block.fl - Vec3{dot(block.al0, dx.ang), dot(block.al1, dx.ang), dot(block.al2, dx.ang)}});
   return dx;
@@ -102,12 +102,13 @@ RUBBLE_HD inline Vec6 product(const Block6& b, const Vec6& dx) {
 }
 /// The exact line minimum along D^-1 f, with D = diag(H). It involves no cancellation and therefore descends
 /// in spite of round-off. Takes the block by value so that the caller's stays in registers.
-RUBBLE_HD RUBBLE_APART inline Vec6 diagonalStep(Block6 b) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec6 diagonalStep(Block6 b) {
   const Vec6 d{{b.fl.x / b.ll.xx, b.fl.y / b.ll.yy, b.fl.z / b.ll.zz},
                {b.fa.x / b.aa.xx, b.fa.y / b.aa.yy, b.fa.z / b.aa.zz}};
   const Real work = dot(Vec6{b.fl, b.fa}, d), curvature = dot(d, product(b, d)), turn2 = dot(d.ang, d.ang);
   Real share = curvature > Real(0) ? min(work / curvature, Real(1)) : Real(0);
-  if (share * share * turn2 > kMostTurn * kMostTurn) share = kMostTurn / std::sqrt(turn2);
+  if (share * share * turn2 > kLargestRotation * kLargestRotation)
+    share = kLargestRotation / std::sqrt(turn2);
   return share * d;
 }
 

@@ -99,7 +99,7 @@ RUBBLE_HD inline Vec3 torqueFreeSpin(const Vec3& w0, const Vec3& torque, const V
 
 /// Angular velocity at orientation `here` that keeps the angular momentum of a body that reaches orientation
 /// `there` with angular velocity w. World axes. [rad/s]
-RUBBLE_HD RUBBLE_APART inline Vec3 spinAt(Quat here, Quat there, Vec3 w, Vec3 inertia, Real dt) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 spinAt(Quat here, Quat there, Vec3 w, Vec3 inertia, Real dt) {
   if (isSpherical(inertia)) return w;
   const SpinMomentum end{inertia, dt, Real(-1)};
   const Vec3 guess = rotateInverse(there, w);
@@ -152,8 +152,8 @@ inline constexpr Real kSameMoment = Real(1e-4);
 ///   axis of symmetry  zero. Only torques about this axis change the spin, and log(x) / dt contains them. The
 ///                     torques of a bearing that rotates in the step belong to the end of the step; their
 ///                     momentum would brake the wheel.
-RUBBLE_HD RUBBLE_APART inline Vec3 spinAfterRows(Quat start, Quat x, Vec3 turn, Quat y, Vec3 inertia,
-                                                 Real dt) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 spinAfterRows(Quat start, Quat x, Vec3 turn, Quat y, Vec3 inertia,
+                                                       Real dt) {
   const Real inverseDt = Real(1) / dt;
   const Vec3 rows = Real(2) * shortArc(x * conjugate(y)).v;
   const bool spherical = isSpherical(inertia);

@@ -5,7 +5,7 @@
 namespace rubble::RUBBLE_CORE {
 
 template <class T> struct ArrayInfo {
-  T* SolverData::*member;
+  Array<T> SolverData::*member;
   const char* name;
   const char* unit;
   Per per;
@@ -16,7 +16,7 @@ template <class T> struct ArrayInfo {
 
 /// Calls f(ArrayInfo) for every array.
 template <class F> void forEachArray(F&& f) {
-  const auto is = [&]<class T>(T* SolverData::*member, const char* name, const char* unit, Per per,
+  const auto is = [&]<class T>(Array<T> SolverData::*member, const char* name, const char* unit, Per per,
                                Lifetime life, int extra = 0) {
     f(ArrayInfo<T>{member, name, unit, per, life, extra});
   };
@@ -53,13 +53,14 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::rolling, "rolling", "", Per::Rolling, Lifetime::Work);
   forEachType(JointTypes{}, [&]<class J>() {
     const Per per = perJoint(typeIndex<J>(JointTypes{}));
-    is(static_cast<JointSpec<J> * SolverData::*>(&JointTable<J>::spec), J::kName, "", per,
+    is(static_cast<Array<JointSpec<J>> SolverData::*>(&JointTable<J>::spec), J::kName, "", per,
        Lifetime::Authored);
-    is(static_cast<Joint<J> * SolverData::*>(&JointTable<J>::joint), J::kName, "", per, Lifetime::State);
-    is(static_cast<TreeRows<J> * SolverData::*>(&JointTable<J>::treeRows), J::kName, "", per, Lifetime::Work);
+    is(static_cast<Array<Joint<J>> SolverData::*>(&JointTable<J>::joint), J::kName, "", per, Lifetime::State);
+    is(static_cast<Array<TreeRows<J>> SolverData::*>(&JointTable<J>::treeRows), J::kName, "", per,
+       Lifetime::Work);
     if constexpr (hasAngularRows<J>())
-      is(static_cast<JointAngularRows<J> * SolverData::*>(&JointTable<J>::angularRows), J::kName, "", per,
-         Lifetime::Work);
+      is(static_cast<Array<JointAngularRows<J>> SolverData::*>(&JointTable<J>::angularRows), J::kName, "",
+         per, Lifetime::Work);
   });
   is(&SolverData::bounds, "bounds", "m", Per::Body, Lifetime::Work);
   is(&SolverData::bucketCount, "bucketCount", "", Per::Cell, Lifetime::Work);
@@ -161,7 +162,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::oldPointContact, "oldPointContact", "", Per::PointPair, Lifetime::State);
   is(&SolverData::attachment, "attachment", "", Per::Attachment, Lifetime::State);
   forEachType(ElementTypes{}, [&]<class E>() {
-    is(static_cast<E * SolverData::*>(&ElementTable<E>::element), E::kName, "", perElement<E>(),
+    is(static_cast<Array<E> SolverData::*>(&ElementTable<E>::element), E::kName, "", perElement<E>(),
        Lifetime::State);
   });
   is(&SolverData::cluster, "cluster", "", Per::Cluster, Lifetime::Authored);

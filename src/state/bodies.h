@@ -123,17 +123,17 @@ RUBBLE_HD constexpr int constraintSide(std::uint32_t code) { return static_cast<
 /// acts, plus up to two (`link` 1, 2) that only name its other neighbors.
 template <class F> RUBBLE_HD constexpr std::uint32_t jointCode(int index, int side, int link = 0) {
   constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
-  return isCarried<F>() ? constraintCode(kType, 8 * index + 2 * side + link / 2, link % 2)
-                        : constraintCode(kType, index, side);
+  return hasFrameBodies<F>() ? constraintCode(kType, 8 * index + 2 * side + link / 2, link % 2)
+                             : constraintCode(kType, index, side);
 }
 template <class F> RUBBLE_HD constexpr int jointIndex(std::uint32_t code) {
-  return isCarried<F>() ? constraintIndex(code) / 8 : constraintIndex(code);
+  return hasFrameBodies<F>() ? constraintIndex(code) / 8 : constraintIndex(code);
 }
 template <class F> RUBBLE_HD constexpr int jointSide(std::uint32_t code) {
-  return isCarried<F>() ? constraintIndex(code) / 2 % 4 : constraintSide(code);
+  return hasFrameBodies<F>() ? constraintIndex(code) / 2 % 4 : constraintSide(code);
 }
 template <class F> RUBBLE_HD constexpr bool isLink(std::uint32_t code) {
-  return isCarried<F>() && (constraintIndex(code) % 2 != 0 || constraintSide(code) != 0);
+  return hasFrameBodies<F>() && (constraintIndex(code) % 2 != 0 || constraintSide(code) != 0);
 }
 
 /// Inertial target and mass matrix of a body in this step. Aligned for vectorized loads and stores.

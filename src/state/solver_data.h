@@ -1,6 +1,7 @@
 #pragma once
 /// All arrays of the engine, declared once with meaning, unit and shape. A SolverData holds pointers and
 /// counts only; kernels take it by value.
+#include "state/array.h"
 #include "state/bodies.h"
 #include "state/joint_tables.h"
 #include "state/kinds.h"
@@ -10,7 +11,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Elements between vertices, one array per type.
-template <class F> struct ElementTable { F* element = nullptr; };
+template <class F> struct ElementTable { Array<F> element = nullptr; };
 template <class List> struct ElementTables;
 template <class... F> struct ElementTables<TypeList<F...>> : ElementTable<F>... {};
 
@@ -55,199 +56,205 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Counters* counters = nullptr;
 
   // bodies: authored
-  int* idOf = nullptr;     ///< BodyId::index of the body in each table row
-  int* placeOf = nullptr;  ///< table row of the body of each id
-  BodyParams* params = nullptr;
-  BodyExtras* extras = nullptr;
-  BodyFilter* filter = nullptr;
-  int* planeBody = nullptr;           ///< body indices of the planes
-  ExcludedPair* exclusion = nullptr;  ///< hash table of pairs that do not collide (stages/pairs/filter.h)
+  Array<int> idOf = nullptr;     ///< BodyId::index of the body in each table row
+  Array<int> placeOf = nullptr;  ///< table row of the body of each id
+  Array<BodyParams> params = nullptr;
+  Array<BodyExtras> extras = nullptr;
+  Array<BodyFilter> filter = nullptr;
+  Array<int> planeBody = nullptr;  ///< body indices of the planes
+  Array<ExcludedPair>
+      exclusion = nullptr;  ///< hash table of pairs that do not collide (stages/pairs/filter.h)
   // shapes and materials shared by bodies: authored
-  Vec4* shapeVector = nullptr;  ///< see ShapeTables
-  int* shapeIndex = nullptr;
-  ShapePart* shapePart = nullptr;
-  SurfaceData* surface = nullptr;  ///< materials with more than two friction coefficients and a restitution
+  Array<Vec4> shapeVector = nullptr;  ///< see ShapeTables
+  Array<int> shapeIndex = nullptr;
+  Array<ShapePart> shapePart = nullptr;
+  Array<SurfaceData>
+      surface = nullptr;  ///< materials with more than two friction coefficients and a restitution
   // bodies: state
-  Vec3d* position = nullptr;         ///< center of mass [m]
-  Quat* orientation = nullptr;       ///< body -> world
-  Vec3* velocity = nullptr;          ///< [m/s]
-  Vec3* angularVelocity = nullptr;   ///< world axes [rad/s]
-  Vec3* previousVelocity = nullptr;  ///< one step earlier [m/s]
-  Vec3* force = nullptr;             ///< user force, for one step [N]
-  Vec3* torque = nullptr;            ///< user torque, for one step [N m]
-  int* pushed = nullptr;             ///< 1: a user force acted in the last step
-  Vec3* correction = nullptr;        ///< displacement of the penetration correction in this step [m]
-  int* asleep = nullptr;             ///< 1 + the root body of the sleeping island, or 0: awake
-  Real* stillTime = nullptr;         ///< time since the body last moved faster than the sleep threshold [s]
+  Array<Vec3d> position = nullptr;         ///< center of mass [m]
+  Array<Quat> orientation = nullptr;       ///< body -> world
+  Array<Vec3> velocity = nullptr;          ///< [m/s]
+  Array<Vec3> angularVelocity = nullptr;   ///< world axes [rad/s]
+  Array<Vec3> previousVelocity = nullptr;  ///< one step earlier [m/s]
+  Array<Vec3> force = nullptr;             ///< user force, for one step [N]
+  Array<Vec3> torque = nullptr;            ///< user torque, for one step [N m]
+  Array<int> pushed = nullptr;             ///< 1: a user force acted in the last step
+  Array<Vec3> correction = nullptr;        ///< displacement of the penetration correction in this step [m]
+  Array<int> asleep = nullptr;             ///< 1 + the root body of the sleeping island, or 0: awake
+  Array<Real> stillTime = nullptr;  ///< time since the body last moved faster than the sleep threshold [s]
   // bodies: work
-  Bounds* bounds = nullptr;         ///< swept AABBs
-  int* bucketCount = nullptr;       ///< bodies per bucket
-  int* bucketOffset = nullptr;      ///< [cells + 1]
-  GridEntry* grid = nullptr;        ///< bodies sorted by bucket
-  int* pairSlot = nullptr;          ///< [bodies][kPairSlots] partners found by the broad phase
-  int* pairCount = nullptr;         ///< pairs that the body owns
-  int* impactSpeedBound = nullptr;  ///< bound of the speed that an impact may give the body in this step, as
-                                    ///< the bits of a float [m/s]
-  BodyTarget* target = nullptr;     ///< inertial target
-  Displacement* dx = nullptr;       ///< x - x^t at the present iterate
-  Quat* dq = nullptr;               ///< rotation since x^t at the present iterate, q (q^t)^-1
-  int* island = nullptr;            ///< root body of the island
-  int* islandFlag = nullptr;        ///< at the root body: 1 if the island wakes or stays awake
-  int* rowIsland = nullptr;         ///< lowest body connected to this one by rows of this step
-  int* islandBonds = nullptr;       ///< flags of the rows that act on the body, or on the island at its root
-                                    ///< (stages/islands/island_momentum.h)
-  int* islandMassLength = nullptr;  ///< mass times length of the heaviest body of its island in the last
-                                    ///< step, as the bits of a float; 0: unknown [kg m]
-  int* islandSlot = nullptr;        ///< at a root body: index of its island in the next two arrays, or -1
-  IslandSums* islandSums = nullptr;
-  IslandRepair* islandRepair = nullptr;
-  int* fast = nullptr;  ///< 1: CCD candidate: moves further than its thickness, or is pressed into a rigid
-                        ///< surface
-  int* nearSurface = nullptr;   ///< 1: its corners may touch the surface of a deformable object
-  int* ccdShareBits = nullptr;  ///< CCD: share of the motion that is cut off, as the bits of a float
-  int* ccdSeenBits = nullptr;   ///< CCD: ccdShareBits as of the present round; for jointed bodies stored at
-                                ///< the root of their CCD island
-  int* ccdRound = nullptr;      ///< CCD: round in which that last changed, or kOwnImpact
-  int* ccdPair = nullptr;       ///< CCD: 1 + the pair that stops the body, or 0
-  Displacement* ccdMotion = nullptr;   ///< CCD: motion after the cut
-  int* bounceBody = nullptr;           ///< restitution state of the body: BounceBody
-  BodyMotion* bounceMotion = nullptr;  ///< solved velocities, before restitution
-  Vec3* nextCorrection = nullptr;      ///< `correction` of the next step [m]
-  int* color = nullptr;                ///< kept between steps
-  int* nextColor = nullptr;            ///< new color of the bodies in `clashing`
-  int* clashing = nullptr;   ///< bodies and vertices (kVertexNode + index) that need a new color in this step
-  int* colorBody = nullptr;  ///< dynamic bodies sorted by color
-  int* incidenceCount = nullptr;   ///< constraints on the body
-  int* incidenceOffset = nullptr;  ///< [bodies + 1]
+  Array<Bounds> bounds = nullptr;         ///< swept AABBs
+  Array<int> bucketCount = nullptr;       ///< bodies per bucket
+  Array<int> bucketOffset = nullptr;      ///< [cells + 1]
+  Array<GridEntry> grid = nullptr;        ///< bodies sorted by bucket
+  Array<int> pairSlot = nullptr;          ///< [bodies][kPairSlots] partners found by the broad phase
+  Array<int> pairCount = nullptr;         ///< pairs that the body owns
+  Array<int> impactSpeedBound = nullptr;  ///< bound of the speed that an impact may give the body in this
+                                          ///< step, as the bits of a float [m/s]
+  Array<BodyTarget> target = nullptr;  ///< inertial target
+  Array<Displacement> dx = nullptr;    ///< x - x^t at the present iterate
+  Array<Quat> dq = nullptr;            ///< rotation since x^t at the present iterate, q (q^t)^-1
+  Array<int> island = nullptr;         ///< root body of the island
+  Array<int> islandFlag = nullptr;     ///< at the root body: 1 if the island wakes or stays awake
+  Array<int> rowIsland = nullptr;      ///< lowest body connected to this one by rows of this step
+  Array<int> islandBonds = nullptr;  ///< flags of the rows that act on the body, or on the island at its root
+                                     ///< (stages/islands/island_momentum.h)
+  Array<int> islandMassLength = nullptr;  ///< mass times length of the heaviest body of its island in the
+                                          ///< last step, as the bits of a float; 0: unknown [kg m]
+  Array<int> islandSlot = nullptr;  ///< at a root body: index of its island in the next two arrays, or -1
+  Array<IslandSums> islandSums = nullptr;
+  Array<IslandRepair> islandRepair = nullptr;
+  Array<int> fast = nullptr;  ///< 1: CCD candidate: moves further than its thickness, or is pressed into a
+                              ///< rigid surface
+  Array<int> nearSurface = nullptr;   ///< 1: its corners may touch the surface of a deformable object
+  Array<int> ccdShareBits = nullptr;  ///< CCD: share of the motion that is cut off, as the bits of a float
+  Array<int> ccdSeenBits = nullptr;  ///< CCD: ccdShareBits as of the present round; for jointed bodies stored
+                                     ///< at the root of their CCD island
+  Array<int> ccdRound = nullptr;             ///< CCD: round in which that last changed, or kOwnImpact
+  Array<int> ccdPair = nullptr;              ///< CCD: 1 + the pair that stops the body, or 0
+  Array<Displacement> ccdMotion = nullptr;   ///< CCD: motion after the cut
+  Array<int> bounceBody = nullptr;           ///< restitution state of the body: BounceBody
+  Array<BodyMotion> bounceMotion = nullptr;  ///< solved velocities, before restitution
+  Array<Vec3> nextCorrection = nullptr;      ///< `correction` of the next step [m]
+  Array<int> color = nullptr;                ///< kept between steps
+  Array<int> nextColor = nullptr;            ///< new color of the bodies in `clashing`
+  Array<int>
+      clashing = nullptr;  ///< bodies and vertices (kVertexNode + index) that need a new color in this step
+  Array<int> colorBody = nullptr;        ///< dynamic bodies sorted by color
+  Array<int> incidenceCount = nullptr;   ///< constraints on the body
+  Array<int> incidenceOffset = nullptr;  ///< [bodies + 1]
   // Aggregates. Their nodes are bodies and, numbered from `bodies` on, soft nodes. Arrays over (level, node)
   // have index level * nodes() + node.
-  int* root = nullptr;            ///< [level][node] parent in the union-find forest
-  int* nodeCount = nullptr;       ///< [level][node] at a root: nodes of its aggregate
-  int* isRoot = nullptr;          ///< [level][node] 1: root of an aggregate of two or more nodes
-  int* aggregateIndex = nullptr;  ///< [level][node] at a root: number of its aggregate, coarsest level last
-  int* aggregateOf = nullptr;     ///< [level][node] aggregate of the node; -1: none
-  int* aggregateNode = nullptr;   ///< nodes sorted by aggregate, ascending
-  Aggregate* aggregate = nullptr;
-  int* aggregateOffset = nullptr;  ///< [aggregates + 1] into aggregateNode
-  int* aggregateSlices = nullptr;  ///< number of slices of each aggregate
-  int* sliceOffset = nullptr;      ///< [aggregates + 1]
-  Slice* slice = nullptr;
-  int* boundaryCount = nullptr;  ///< constraints between bodies of the slice and bodies outside its aggregate
-  int* boundaryOffset = nullptr;      ///< [slices + 1]
-  std::uint32_t* boundary = nullptr;  ///< incidence codes sorted by slice
-  int* levelAggregate = nullptr;      ///< [levels + 1] first aggregate of a level
-  int* levelSlice = nullptr;          ///< [levels + 1] first slice of a level
+  Array<int> root = nullptr;       ///< [level][node] parent in the union-find forest
+  Array<int> nodeCount = nullptr;  ///< [level][node] at a root: nodes of its aggregate
+  Array<int> isRoot = nullptr;     ///< [level][node] 1: root of an aggregate of two or more nodes
+  Array<int>
+      aggregateIndex = nullptr;  ///< [level][node] at a root: number of its aggregate, coarsest level last
+  Array<int> aggregateOf = nullptr;    ///< [level][node] aggregate of the node; -1: none
+  Array<int> aggregateNode = nullptr;  ///< nodes sorted by aggregate, ascending
+  Array<Aggregate> aggregate = nullptr;
+  Array<int> aggregateOffset = nullptr;  ///< [aggregates + 1] into aggregateNode
+  Array<int> aggregateSlices = nullptr;  ///< number of slices of each aggregate
+  Array<int> sliceOffset = nullptr;      ///< [aggregates + 1]
+  Array<Slice> slice = nullptr;
+  Array<int>
+      boundaryCount = nullptr;  ///< constraints between bodies of the slice and bodies outside its aggregate
+  Array<int> boundaryOffset = nullptr;      ///< [slices + 1]
+  Array<std::uint32_t> boundary = nullptr;  ///< incidence codes sorted by slice
+  Array<int> levelAggregate = nullptr;      ///< [levels + 1] first aggregate of a level
+  Array<int> levelSlice = nullptr;          ///< [levels + 1] first slice of a level
   // joint trees: derived, and work
-  int* nodeOfBody = nullptr;  ///< tree node of each body; -1: none
-  TreeNode* treeNode = nullptr;
-  int* nodeLevel = nullptr;  ///< elimination level of each node
-  int* treeChild = nullptr;  ///< 2 * node + side of its coupling, sorted by parent
-  SmallTree* smallTree = nullptr;
-  int* levelNode = nullptr;  ///< nodes of the large trees, sorted by level
-  TreeWork* treeWork = nullptr;
-  int* treeContacts = nullptr;     ///< what touches the tree in this step (state/trees.h)
-  int* treeConverged = nullptr;    ///< by tree: 1: this solve leaves it unchanged
-  int* treeMaxRotation = nullptr;  ///< by tree: largest rotation of its Newton step, as the bits of a float
-                                   ///< [rad]
-  int* treeNeedsProjection = nullptr;  ///< by tree: 1: a joint is open at the end of the step
-  ProjectionLink* projectionLink = nullptr;
+  Array<int> nodeOfBody = nullptr;  ///< tree node of each body; -1: none
+  Array<TreeNode> treeNode = nullptr;
+  Array<int> nodeLevel = nullptr;  ///< elimination level of each node
+  Array<int> treeChild = nullptr;  ///< 2 * node + side of its coupling, sorted by parent
+  Array<SmallTree> smallTree = nullptr;
+  Array<int> levelNode = nullptr;  ///< nodes of the large trees, sorted by level
+  Array<TreeWork> treeWork = nullptr;
+  Array<int> treeContacts = nullptr;     ///< what touches the tree in this step (state/trees.h)
+  Array<int> treeConverged = nullptr;    ///< by tree: 1: this solve leaves it unchanged
+  Array<int> treeMaxRotation = nullptr;  ///< by tree: largest rotation of its Newton step, as the bits of a
+                                         ///< float [rad]
+  Array<int> treeNeedsProjection = nullptr;  ///< by tree: 1: a joint is open at the end of the step
+  Array<ProjectionLink> projectionLink = nullptr;
   // colors
-  int* colorCount = nullptr;   ///< bodies of each color
-  int* colorOffset = nullptr;  ///< [colors + 1]
+  Array<int> colorCount = nullptr;   ///< bodies of each color
+  Array<int> colorOffset = nullptr;  ///< [colors + 1]
   // pairs
-  int* pairOffset = nullptr;  ///< [bodies + 1] first pair owned by a body
-  int* oldPairOffset = nullptr;
-  Pair* pair = nullptr;  ///< sorted by owner, then by partner
-  Pair* oldPair = nullptr;
-  PairTest* pairTest = nullptr;  ///< the last full test of each pair
-  PairTest* oldPairTest = nullptr;
-  int* manifoldBefore = nullptr;    ///< manifold of the pair in the last step; -1: none
-  int* newPair = nullptr;           ///< pairs without data from the last step
-  int* isActive = nullptr;          ///< 1: points of the pair may be active in this step
-  int* activePairOffset = nullptr;  ///< [pairs + 1] number of active pairs before this one
-  int* oldActivePairOffset = nullptr;
-  int* activePair = nullptr;     ///< indices of the active pairs
-  Manifold* manifold = nullptr;  ///< one per active pair
-  Manifold* oldManifold = nullptr;
-  int* toiBits = nullptr;  ///< share of the motion left at the time of impact, as the bits of a float; 0: no
-                           ///< impact
-  int* tested = nullptr;   ///< manifolds that need a full narrow-phase test
-  int* hasRows = nullptr;  ///< 1: a point of the manifold is active in this step
-  RollingRows* rolling = nullptr;  ///< one per manifold, if `rolls`
-  RollingRows* oldRolling = nullptr;
-  int* rowOffset = nullptr;  ///< [activePairs + 1] number of manifolds with rows before this one
+  Array<int> pairOffset = nullptr;  ///< [bodies + 1] first pair owned by a body
+  Array<int> oldPairOffset = nullptr;
+  Array<Pair> pair = nullptr;  ///< sorted by owner, then by partner
+  Array<Pair> oldPair = nullptr;
+  Array<PairTest> pairTest = nullptr;  ///< the last full test of each pair
+  Array<PairTest> oldPairTest = nullptr;
+  Array<int> manifoldBefore = nullptr;    ///< manifold of the pair in the last step; -1: none
+  Array<int> newPair = nullptr;           ///< pairs without data from the last step
+  Array<int> isActive = nullptr;          ///< 1: points of the pair may be active in this step
+  Array<int> activePairOffset = nullptr;  ///< [pairs + 1] number of active pairs before this one
+  Array<int> oldActivePairOffset = nullptr;
+  Array<int> activePair = nullptr;     ///< indices of the active pairs
+  Array<Manifold> manifold = nullptr;  ///< one per active pair
+  Array<Manifold> oldManifold = nullptr;
+  Array<int> toiBits = nullptr;  ///< share of the motion left at the time of impact, as the bits of a float;
+                                 ///< 0: no impact
+  Array<int> tested = nullptr;           ///< manifolds that need a full narrow-phase test
+  Array<int> hasRows = nullptr;          ///< 1: a point of the manifold is active in this step
+  Array<RollingRows> rolling = nullptr;  ///< one per manifold, if `rolls`
+  Array<RollingRows> oldRolling = nullptr;
+  Array<int> rowOffset = nullptr;  ///< [activePairs + 1] number of manifolds with rows before this one
   // rows
-  ContactRows* contact = nullptr;  ///< one per manifold with rows, in the order of manifolds; aliases the old
-                                   ///< manifolds (SolverTables::aliasRows)
-  Bounce* bounce = nullptr;        ///< one per element of `contact`, if restitution may act in this step
-  Support* support = nullptr;      ///< one per element of `contact`
-  int* joinLevel = nullptr;        ///< per element of `contact`: aggregate level that unites its bodies;
-                                   ///< kCoarseLevels: none
-  Incidence* incidence = nullptr;  ///< constraints sorted by body
+  Array<ContactRows> contact = nullptr;  ///< one per manifold with rows, in the order of manifolds; aliases
+                                         ///< the old manifolds (SolverTables::aliasRows)
+  Array<Bounce> bounce = nullptr;    ///< one per element of `contact`, if restitution may act in this step
+  Array<Support> support = nullptr;  ///< one per element of `contact`
+  Array<int> joinLevel = nullptr;    ///< per element of `contact`: aggregate level that unites its bodies;
+                                     ///< kCoarseLevels: none
+  Array<Incidence> incidence = nullptr;  ///< constraints sorted by body
 
   // vertices: authored
-  VertexParams* vertexParams = nullptr;
-  int* refOffset = nullptr;            ///< [vertices + 1] into ref
-  std::uint32_t* ref = nullptr;        ///< elements of each vertex except tetrahedra, then attachments
-  int* tetraCornerOffset = nullptr;    ///< [vertices + 1] into tetraCorner
-  TetraCorner* tetraCorner = nullptr;  ///< tetrahedra of each vertex
-  Sym3* cornerStart = nullptr;         ///< their E^t in this step; 0 without viscosity
-  int* neighborOffset = nullptr;       ///< [vertices + 1] into neighbor
-  int* neighbor = nullptr;             ///< vertices that share an element or attachment with this one, sorted
+  Array<VertexParams> vertexParams = nullptr;
+  Array<int> refOffset = nullptr;            ///< [vertices + 1] into ref
+  Array<std::uint32_t> ref = nullptr;        ///< elements of each vertex except tetrahedra, then attachments
+  Array<int> tetraCornerOffset = nullptr;    ///< [vertices + 1] into tetraCorner
+  Array<TetraCorner> tetraCorner = nullptr;  ///< tetrahedra of each vertex
+  Array<Sym3> cornerStart = nullptr;         ///< their E^t in this step; 0 without viscosity
+  Array<int> neighborOffset = nullptr;       ///< [vertices + 1] into neighbor
+  Array<int> neighbor = nullptr;  ///< vertices that share an element or attachment with this one, sorted
   // vertices: state
-  Vec3d* vertexPosition = nullptr;    ///< [m]
-  Vec3* vertexVelocity = nullptr;     ///< [m/s]
-  Vec3* vertexOldVelocity = nullptr;  ///< one step earlier [m/s]
-  Vec3* vertexForce = nullptr;        ///< user force, for one step [N]
-  int* vertexColor = nullptr;
+  Array<Vec3d> vertexPosition = nullptr;    ///< [m]
+  Array<Vec3> vertexVelocity = nullptr;     ///< [m/s]
+  Array<Vec3> vertexOldVelocity = nullptr;  ///< one step earlier [m/s]
+  Array<Vec3> vertexForce = nullptr;        ///< user force, for one step [N]
+  Array<int> vertexColor = nullptr;
   // vertices: work
-  Vec3* vertexTarget = nullptr;  ///< y - x^t [m]
-  Vec3* vertexMoved = nullptr;   ///< x - x^t, present iterate [m]
-  VertexIterates* vertexIterates = nullptr;
-  PaddedVec3* vertexPlace = nullptr;  ///< x relative to the first vertex of its object at x^t [m]
-  int* vertexNextColor = nullptr;
-  int* colorVertex = nullptr;     ///< dynamic vertices sorted by color
-  int* particleCount = nullptr;   ///< granular particles per bucket
-  int* particleOffset = nullptr;  ///< [particleCells + 1]
-  BoxEntry* particle = nullptr;   ///< granular particles sorted by bucket
+  Array<Vec3> vertexTarget = nullptr;  ///< y - x^t [m]
+  Array<Vec3> vertexMoved = nullptr;   ///< x - x^t, present iterate [m]
+  Array<VertexIterates> vertexIterates = nullptr;
+  Array<PaddedVec3> vertexPlace = nullptr;  ///< x relative to the first vertex of its object at x^t [m]
+  Array<int> vertexNextColor = nullptr;
+  Array<int> colorVertex = nullptr;     ///< dynamic vertices sorted by color
+  Array<int> particleCount = nullptr;   ///< granular particles per bucket
+  Array<int> particleOffset = nullptr;  ///< [particleCells + 1]
+  Array<BoxEntry> particle = nullptr;   ///< granular particles sorted by bucket
   // pairs owned by vertices and edges
-  int* pointPairSlot = nullptr;    ///< [owners][kPointPairSlots] partners found by the broad phase
-  int* pointPairCount = nullptr;   ///< pairs that a vertex or edge owns
-  int* pointPairOffset = nullptr;  ///< [owners + 1] first pair of an owner
-  int* oldPointPairOffset = nullptr;
+  Array<int> pointPairSlot = nullptr;    ///< [owners][kPointPairSlots] partners found by the broad phase
+  Array<int> pointPairCount = nullptr;   ///< pairs that a vertex or edge owns
+  Array<int> pointPairOffset = nullptr;  ///< [owners + 1] first pair of an owner
+  Array<int> oldPointPairOffset = nullptr;
   // surfaces
-  SurfaceFeature* feature = nullptr;  ///< authored
-  Vec3* vertexRest = nullptr;        ///< authored: rest shape, relative to the first vertex of the object [m]
-  int* featureCount = nullptr;       ///< features per bucket
-  int* featureOffset = nullptr;      ///< [featureCells + 1]
-  BoxEntry* featureEntry = nullptr;  ///< features sorted by bucket
-  VertexRepair* vertexRepair = nullptr;
-  NearFeature* nearFeature = nullptr;   ///< sorted by owner; in no fixed order within one
-  int* nearCount = nullptr;             ///< elements of nearFeature per vertex and edge
-  int* nearOffset = nullptr;            ///< [owners + 1]
-  int* pointIncidenceCount = nullptr;   ///< contacts of a vertex
-  int* pointIncidenceOffset = nullptr;  ///< [vertices + 1]
-  int* vertexColorCount = nullptr;      ///< vertices of each color
-  int* vertexColorOffset = nullptr;     ///< [colors + 1]
+  Array<SurfaceFeature> feature = nullptr;  ///< authored
+  Array<Vec3> vertexRest = nullptr;  ///< authored: rest shape, relative to the first vertex of the object [m]
+  Array<int> featureCount = nullptr;       ///< features per bucket
+  Array<int> featureOffset = nullptr;      ///< [featureCells + 1]
+  Array<BoxEntry> featureEntry = nullptr;  ///< features sorted by bucket
+  Array<VertexRepair> vertexRepair = nullptr;
+  Array<NearFeature> nearFeature = nullptr;   ///< sorted by owner; in no fixed order within one
+  Array<int> nearCount = nullptr;             ///< elements of nearFeature per vertex and edge
+  Array<int> nearOffset = nullptr;            ///< [owners + 1]
+  Array<int> pointIncidenceCount = nullptr;   ///< contacts of a vertex
+  Array<int> pointIncidenceOffset = nullptr;  ///< [vertices + 1]
+  Array<int> vertexColorCount = nullptr;      ///< vertices of each color
+  Array<int> vertexColorOffset = nullptr;     ///< [colors + 1]
   // pairs of vertices with bodies and with one another, and their rows
-  PointPair* pointPair = nullptr;  ///< sorted by owner, then by partner
-  PointPair* oldPointPair = nullptr;
-  PointContact* pointContact = nullptr;  ///< one per pair
-  PointContact* oldPointContact = nullptr;
-  std::uint32_t* pointIncidence = nullptr;  ///< contacts sorted by vertex
+  Array<PointPair> pointPair = nullptr;  ///< sorted by owner, then by partner
+  Array<PointPair> oldPointPair = nullptr;
+  Array<PointContact> pointContact = nullptr;  ///< one per pair
+  Array<PointContact> oldPointContact = nullptr;
+  Array<std::uint32_t> pointIncidence = nullptr;  ///< contacts sorted by vertex
   // clusters
-  Cluster* cluster = nullptr;        ///< sorted by level
-  int* clusterMember = nullptr;      ///< dynamic vertices of objects with elements, sorted by cluster
-  ClusterRef* clusterRef = nullptr;  ///< elements that cross the boundary of a cluster, sorted by cluster
-  ClusterMotion* clusterMotion = nullptr;
-  SoftNode* softNode = nullptr;   ///< objects, then granular particles
-  Block3* softNodeSum = nullptr;  ///< force and Hessian of a soft node in its aggregate
-  Strand* strand = nullptr;
-  StrandVertex* strandVertex = nullptr;  ///< sorted by strand, from one end to the other
-  StrandWork* strandWork = nullptr;
-  Real* strandShare = nullptr;  ///< share of the Newton step that the strand takes [1]
+  Array<Cluster> cluster = nullptr;    ///< sorted by level
+  Array<int> clusterMember = nullptr;  ///< dynamic vertices of objects with elements, sorted by cluster
+  Array<ClusterRef>
+      clusterRef = nullptr;  ///< elements that cross the boundary of a cluster, sorted by cluster
+  Array<ClusterMotion> clusterMotion = nullptr;
+  Array<SoftNode> softNode = nullptr;   ///< objects, then granular particles
+  Array<Block3> softNodeSum = nullptr;  ///< force and Hessian of a soft node in its aggregate
+  Array<Strand> strand = nullptr;
+  Array<StrandVertex> strandVertex = nullptr;  ///< sorted by strand, from one end to the other
+  Array<StrandWork> strandWork = nullptr;
+  Array<Real> strandShare = nullptr;  ///< share of the Newton step that the strand takes [1]
   // attachments; elements are in ElementTables
-  Attachment* attachment = nullptr;
+  Array<Attachment> attachment = nullptr;
 
   /// Number of nodes that aggregates are made of.
   RUBBLE_HD int nodes() const { return bodies + softNodes; }

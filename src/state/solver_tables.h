@@ -1,6 +1,7 @@
 #pragma once
 /// Owner of the memory behind a SolverData. Each array has a capacity by its kind; growing keeps the content.
 #include <cstddef>
+#include <utility>
 
 #include "state/arrays.h"
 
@@ -36,11 +37,11 @@ template <class Memory> class SolverTables {
     const bool rowsAmongOld = rowsAlias(view_.oldManifold);
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
       if (array.per != per || array.aliases) return;
-      T*& pointer = view_.*array.member;
+      Array<T>& pointer = view_.*array.member;
       T* const fresh = static_cast<T*>(Memory::allocate(bytesOf(array, grown)));
       if (pointer) Memory::copy(fresh, pointer, bytesOf(array, capacity));
       Memory::release(pointer);
-      pointer = fresh;
+      pointer = arrayOf(fresh, sizeOf(array, grown));
     });
     capacity = grown;
     aliasRowsIn(rowsAmongOld ? view_.oldManifold : view_.manifold);
@@ -61,20 +62,15 @@ template <class Memory> class SolverTables {
 
   /// Makes the manifolds of this step the old ones of the next.
   void swapManifolds() {
-    const auto swap = [](auto*& a, auto*& b) {
-      auto* const c = a;
-      a = b;
-      b = c;
-    };
-    swap(view_.pair, view_.oldPair);
-    swap(view_.pairTest, view_.oldPairTest);
-    swap(view_.activePairOffset, view_.oldActivePairOffset);
-    swap(view_.manifold, view_.oldManifold);
-    swap(view_.pairOffset, view_.oldPairOffset);
-    swap(view_.pointPair, view_.oldPointPair);
-    swap(view_.pointContact, view_.oldPointContact);
-    swap(view_.pointPairOffset, view_.oldPointPairOffset);
-    swap(view_.rolling, view_.oldRolling);
+    std::swap(view_.pair, view_.oldPair);
+    std::swap(view_.pairTest, view_.oldPairTest);
+    std::swap(view_.activePairOffset, view_.oldActivePairOffset);
+    std::swap(view_.manifold, view_.oldManifold);
+    std::swap(view_.pairOffset, view_.oldPairOffset);
+    std::swap(view_.pointPair, view_.oldPointPair);
+    std::swap(view_.pointContact, view_.oldPointContact);
+    std::swap(view_.pointPairOffset, view_.oldPointPairOffset);
+    std::swap(view_.rolling, view_.oldRolling);
   }
 
  private:
@@ -82,10 +78,16 @@ template <class Memory> class SolverTables {
   bool rowsAlias(const Manifold* place) const {
     return place && static_cast<const void*>(view_.contact) == place;
   }
-  void aliasRowsIn(Manifold* place) { view_.contact = reinterpret_cast<ContactRows*>(place); }
+  void aliasRowsIn(Manifold* place) {
+    view_.contact = arrayOf(reinterpret_cast<ContactRows*>(place),
+                            static_cast<std::size_t>(capacity(Per::ActivePair)));
+  }
 
+  template <class T> static std::size_t sizeOf(const ArrayInfo<T>& array, int count) {
+    return static_cast<std::size_t>(count + array.extra);
+  }
   template <class T> static std::size_t bytesOf(const ArrayInfo<T>& array, int count) {
-    return sizeof(T) * static_cast<std::size_t>(count + array.extra);
+    return sizeof(T) * sizeOf(array, count);
   }
 
   SolverData view_;

@@ -12,7 +12,7 @@ std::vector<int> slotsOf(const HostTables& tables, const std::vector<int>& ids) 
 }
 
 EngineJoint inSlots(const HostTables& tables, EngineJoint joint) {
-  for (int* body : {&joint.a, &joint.b, &joint.carrierA, &joint.carrierB}) *body = slotOf(tables, *body);
+  for (int* body : {&joint.a, &joint.b, &joint.frameBodyA, &joint.frameBodyB}) *body = slotOf(tables, *body);
   return joint;
 }
 

@@ -30,7 +30,7 @@ void rebuild(HostTables& tables, const std::vector<ExcludedPair>& pairs, int siz
   tables.reserve(Per::Exclusion, size);
   SolverData& s = tables.view();
   s.exclusions = size;
-  std::fill_n(s.exclusion, size, kNoPair);
+  std::ranges::fill(firstOf(s.exclusion, size), kNoPair);
   for (const ExcludedPair& pair : pairs) s.exclusion[placeIn(s, pair)] = pair;
   changed.resize(static_cast<std::size_t>(size));
   std::iota(changed.begin(), changed.end(), 0);
@@ -54,8 +54,8 @@ void removeAt(const SolverData& s, int hole, std::vector<int>& changed) {
 
 std::vector<ExcludedPair> excludedPairs(const SolverData& s) {
   std::vector<ExcludedPair> pairs;
-  std::copy_if(s.exclusion, s.exclusion + s.exclusions, std::back_inserter(pairs),
-               [](const ExcludedPair& pair) { return pair != kNoPair; });
+  std::ranges::copy_if(firstOf(s.exclusion, s.exclusions), std::back_inserter(pairs),
+                       [](const ExcludedPair& pair) { return pair != kNoPair; });
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }

@@ -40,7 +40,7 @@ template <class F> void editJointOf(HostTables& tables, int slot, const EngineJo
   spec = {};
   spec.data = F::Data::of(in);
   spec.a = in.a, spec.b = in.b;
-  if constexpr (isCarried<F>()) spec.carrierA = in.carrierA, spec.carrierB = in.carrierB;
+  if constexpr (hasFrameBodies<F>()) spec.frameBodyA = in.frameBodyA, spec.frameBodyB = in.frameBodyB;
   spec.alive = in.alive, spec.isRigid = in.isRigid;
   spec.breakForce = finite(in.breakForce), spec.breakTorque = finite(in.breakTorque);
   std::size_t group = 0, axis = 0;
@@ -68,13 +68,13 @@ template <class F> void measureJoint(const SolverData& s, int slot, JointState& 
   const Joint<F>& joint = s.jointsOf<F>()[slot];
   const Vec3d origin = jointOrigin(s, spec.b);
   SidePose<F> a, b;
-  if constexpr (isCarried<F>()) {
+  if constexpr (hasFrameBodies<F>()) {
     // the world as a frame body has the pose that the step uses
-    const auto carrier = [&](int body) {
+    const auto frameBody = [&](int body) {
       return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : worldPose(s, body, origin);
     };
-    a = {worldPose(s, spec.a, origin), carrier(spec.carrierA)};
-    b = {worldPose(s, spec.b, origin), carrier(spec.carrierB)};
+    a = {worldPose(s, spec.a, origin), frameBody(spec.frameBodyA)};
+    b = {worldPose(s, spec.b, origin), frameBody(spec.frameBodyB)};
   } else {
     a = worldPose(s, spec.a, origin), b = worldPose(s, spec.b, origin);
   }

@@ -27,7 +27,7 @@ template <class Kernel> void forEach(const SolverData& s, const Kernel& kernel, 
 void fillGrid(SolverData& s) {
   // bodies do not move during queries
   const Real dt = std::exchange(s.step->dt, Real(0));
-  std::fill_n(s.bucketCount, s.cells, 0);
+  std::ranges::fill(firstOf(s.bucketCount, s.cells), 0);
   Counters& c = *s.counters;
   std::fill(std::begin(c.levelCount), std::end(c.levelCount), 0);
   std::fill_n(&c.levelHalf[0][0], 3 * kGridLevels, 0);

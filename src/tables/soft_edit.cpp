@@ -11,6 +11,10 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 Real real(double a) { return static_cast<Real>(a); }
+template <class T> std::vector<T> copyOf(const Array<T>& array, int count) {
+  const std::span<T> elements = firstOf(array, count);
+  return {elements.begin(), elements.end()};
+}
 /// An element from its model. Padding is zeroed, because states are hashed.
 template <class F> F made(const typename F::Model& model, int first) {
   F e;
@@ -57,7 +61,7 @@ template <class F> void placeElements(HostTables& tables, const std::vector<Engi
 
 void placeAttachments(HostTables& tables, const std::vector<EngineAttachment>& attachments) {
   SolverData& s = tables.view();
-  const std::vector<Attachment> old(s.attachment, s.attachment + s.attachments);
+  const std::vector<Attachment> old = copyOf(s.attachment, s.attachments);
   tables.reserve(Per::Attachment, static_cast<int>(attachments.size()));
   s.attachments = static_cast<int>(attachments.size());
   for (std::size_t i = 0; i < attachments.size(); ++i) {
@@ -72,14 +76,14 @@ void placeAttachments(HostTables& tables, const std::vector<EngineAttachment>& a
 /// Persistent state of vertices by old index.
 struct OldVertices {
   explicit OldVertices(const SolverData& s)
-      : position(s.vertexPosition, s.vertexPosition + s.vertices),
-        velocity(s.vertexVelocity, s.vertexVelocity + s.vertices),
-        oldVelocity(s.vertexOldVelocity, s.vertexOldVelocity + s.vertices),
-        force(s.vertexForce, s.vertexForce + s.vertices),
-        color(s.vertexColor, s.vertexColor + s.vertices),
-        offset(s.oldPointPairOffset, s.oldPointPairOffset + s.owners() + 1),
-        pair(s.oldPointPair, s.oldPointPair + offset.back()),
-        contact(s.oldPointContact, s.oldPointContact + offset.back()),
+      : position(copyOf(s.vertexPosition, s.vertices)),
+        velocity(copyOf(s.vertexVelocity, s.vertices)),
+        oldVelocity(copyOf(s.vertexOldVelocity, s.vertices)),
+        force(copyOf(s.vertexForce, s.vertices)),
+        color(copyOf(s.vertexColor, s.vertices)),
+        offset(copyOf(s.oldPointPairOffset, s.owners() + 1)),
+        pair(copyOf(s.oldPointPair, offset.back())),
+        contact(copyOf(s.oldPointContact, offset.back())),
         edges(s.edges),
         features(s.features) {}
   std::vector<Vec3d> position;
@@ -226,8 +230,8 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
   placeAttachments(tables, attachments);
   connect(tables);
   placeClusters(tables, objects);
-  placeLumps(tables, objects);
-  placeLines(tables, objects);
+  placeSoftNodes(tables, objects);
+  placeStrands(tables, objects);
   placeFeatures(tables, objects);
   moves.addFeatures(s, old, objects);
   placeContacts(tables, old, moves);

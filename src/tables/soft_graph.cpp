@@ -167,7 +167,7 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
   }
 }
 
-void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
+void placeSoftNodes(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
   SolverData& s = tables.view();
   for (int v = 0; v < s.vertices; ++v) s.vertexParams[v].softNode = -1;
   std::vector<SoftNode> softNodes;
@@ -190,7 +190,7 @@ void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects
   s.softNodes = static_cast<int>(softNodes.size());
   tables.reserve(Per::SoftNode, s.softNodes);
   reserveNodes(tables);
-  std::copy(softNodes.begin(), softNodes.end(), s.softNode);
+  std::ranges::copy(softNodes, &s.softNode[0]);
 }
 
 namespace {
@@ -220,7 +220,7 @@ std::vector<LineEnds> lineEnds(const SoftModel& m) {
 
 }  // namespace
 
-void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
+void placeStrands(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
   SolverData& s = tables.view();
   std::vector<Strand> lines;
   std::vector<StrandVertex> vertices;
@@ -252,8 +252,8 @@ void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects
   s.strands = static_cast<int>(lines.size()), s.strandVertices = static_cast<int>(vertices.size());
   tables.reserve(Per::Strand, s.strands);
   tables.reserve(Per::StrandVertex, s.strandVertices);
-  std::copy(lines.begin(), lines.end(), s.strand);
-  std::copy(vertices.begin(), vertices.end(), s.strandVertex);
+  std::ranges::copy(lines, &s.strand[0]);
+  std::ranges::copy(vertices, &s.strandVertex[0]);
 }
 
 /// Places edges and triangles of all colliding surfaces, and sizes their grid.

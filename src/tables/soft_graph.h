@@ -9,9 +9,9 @@ void connect(HostTables& tables);
 /// Places the clusters of all objects by level, and lists the boundary elements of each.
 void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& objects);
 /// Lists the soft nodes: objects with clusters, then granular particles.
-void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects);
+void placeSoftNodes(HostTables& tables, const std::vector<EngineSoftObject>& objects);
 /// Lists the strands: chains of springs without branches that are not closed.
-void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects);
+void placeStrands(HostTables& tables, const std::vector<EngineSoftObject>& objects);
 /// Places edges and triangles of all colliding surfaces, and sizes their grid.
 void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& objects);
 /// Reserves features, grid cells and pair owners for the counts in the SolverData.

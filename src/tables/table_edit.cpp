@@ -155,8 +155,8 @@ void forgetContacts(HostTables& tables, std::span<const int> slots) {
 void abandonStep(HostTables& tables) {
   SolverData& s = tables.view();
   *s.counters = {};
-  std::fill_n(s.oldPairOffset, s.bodies + 1, 0);
-  std::fill_n(s.oldPointPairOffset, s.owners() + 1, 0);
+  std::ranges::fill(firstOf(s.oldPairOffset, s.bodies + 1), 0);
+  std::ranges::fill(firstOf(s.oldPointPairOffset, s.owners() + 1), 0);
   s.oldActivePairOffset[0] = 0;
   tables.trees.touchAll();
   // reserving may have moved the manifold tables
@@ -166,8 +166,8 @@ void abandonStep(HostTables& tables) {
 void endForces(HostTables& tables) {
   const SolverData& s = tables.view();
   const Vec3 none{0, 0, 0};
-  std::fill_n(s.force, s.bodies, none), std::fill_n(s.torque, s.bodies, none),
-      std::fill_n(s.vertexForce, s.vertices, none);
+  std::ranges::fill(firstOf(s.force, s.bodies), none), std::ranges::fill(firstOf(s.torque, s.bodies), none),
+      std::ranges::fill(firstOf(s.vertexForce, s.vertices), none);
 }
 
 void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change) {
@@ -187,7 +187,7 @@ void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, co
 
 void setPlanes(HostTables& tables, const std::vector<int>& slots) {
   tables.reserve(Per::Plane, static_cast<int>(slots.size()));
-  std::copy(slots.begin(), slots.end(), tables.view().planeBody);
+  std::ranges::copy(slots, &tables.view().planeBody[0]);
   tables.view().planes = static_cast<int>(slots.size());
 }
 

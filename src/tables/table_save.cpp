@@ -103,7 +103,7 @@ template <class Visit> void forEachKept(const HostTables& tables, Visit&& visit)
 
 /// Copies elements with zeroed padding, where the compiler supports it. Padding carries no state but is
 /// hashed.
-template <class T> void copyClean(std::byte* to, const T* from, std::size_t bytes) {
+template <class T> void copyClean(std::byte* to, const Array<T>& from, std::size_t bytes) {
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_clear_padding)
   for (std::size_t i = 0; i < bytes / sizeof(T); ++i) {

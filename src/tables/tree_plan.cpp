@@ -268,7 +268,7 @@ bool TreePlan::update(HostTables& tables, TreeChanges& changes) {
     readJoints(s);
     trees_.clear(), free_.clear(), freeSmall_.clear();
     nodesEnd_ = smallEnd_ = limited_ = s.treeNodes = s.smallTrees = 0;
-    std::fill_n(s.nodeOfBody, s.bodies, -1);
+    std::ranges::fill(firstOf(s.nodeOfBody, s.bodies), -1);
     touched.clear();
     for (int i = 0; i < s.bodies; ++i)
       if (joints_.hasJoints(i)) touched.push_back(i);

@@ -35,7 +35,7 @@ MassProperties massOfDefinition(const BodyDef& def, const MassProperties& unit, 
   if (def.motion != Motion::Dynamic) return {};
   const double density = def.mass ? *def.mass / unit.mass : def.density;
   return {unit.mass * density,
-          def.inertia ? inertiaAlong(*def.inertia, unit.axes, path) : unit.inertia * density, unit.centre,
+          def.inertia ? inertiaAlong(*def.inertia, unit.axes, path) : unit.inertia * density, unit.center,
           unit.axes};
 }
 
@@ -65,7 +65,7 @@ BodyId World::Impl::addBody(const BodyDef& def, const ReadyBody& ready) {
   const std::shared_ptr<const CookedShape>& cooked = ready.cooked;
   const int indexBase = placeShape(def.shape, cooked), surface = surfaceOf(def.material);
   const BodyId id = registry.bodies.add(
-      {def, ready.mass, {cooked->unit.centre, cooked->unit.axes}, cooked->radius});
+      {def, ready.mass, {cooked->unit.center, cooked->unit.axes}, cooked->radius});
   if (!def.name.empty()) registry.bodyNames[def.name] = id;
   if (id.generation > 0) engine->apply(ForgetContacts{{id.index}});
   EngineBody body;
@@ -130,20 +130,20 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
   ++epoch;
 }
 
-JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b, BodyId carrierA, BodyId carrierB) {
+JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB) {
   const auto check = [&](BodyId id) {
     if (id.index >= 0) requireAlive(id);
   };
-  check(a), check(b), check(carrierA), check(carrierB);
+  check(a), check(b), check(frameBodyA), check(frameBodyB);
   if (a == b) throw Error("joint", "two different bodies", "the same one twice");
-  checkCarrier(def.type, a.index, carrierA.index, "joint.carrierA");
-  checkCarrier(def.type, b.index, carrierB.index, "joint.carrierB");
+  checkFrameBody(def.type, a.index, frameBodyA.index, "joint.frameBodyA");
+  checkFrameBody(def.type, b.index, frameBodyB.index, "joint.frameBodyB");
   if (!def.name.empty() && registry.jointNames.contains(def.name))
     throw Error("joint.name", "a name that no other joint has", "\"" + def.name + "\"");
-  JointRecord record{def, a, b, carrierA, carrierB, {}, 0};
+  JointRecord record{def, a, b, frameBodyA, frameBodyB, {}, 0};
   record.engine = engineJoint(inEngineFrames(def, a, b), jointBodies(record));
   record.engine.a = a.index, record.engine.b = b.index;
-  record.engine.carrierA = carrierA.index, record.engine.carrierB = carrierB.index;
+  record.engine.frameBodyA = frameBodyA.index, record.engine.frameBodyB = frameBodyB.index;
   const auto type = static_cast<std::size_t>(record.engine.type);
   int& slot = record.engineSlot;
   if (registry.freeJointSlots[type].empty()) {
@@ -176,7 +176,7 @@ void World::Impl::removeJoint(JointId id) {
 }
 
 void World::Impl::listJoint(JointId id, const JointRecord& joint, bool listed) {
-  for (const BodyId body : {joint.a, joint.b, joint.carrierA, joint.carrierB}) {
+  for (const BodyId body : {joint.a, joint.b, joint.frameBodyA, joint.frameBodyB}) {
     if (body.index < 0) continue;
     std::vector<JointId>& joints = registry.bodies.edit(body).joints;
     const auto found = std::find(joints.begin(), joints.end(), id);
@@ -222,7 +222,7 @@ JointDef World::Impl::inEngineFrames(JointDef def, BodyId a, BodyId b) const {
 }
 
 void World::Impl::wakeBodiesOf(const JointRecord& joint) {
-  for (const BodyId id : {joint.a, joint.b, joint.carrierA, joint.carrierB}) wake(id);
+  for (const BodyId id : {joint.a, joint.b, joint.frameBodyA, joint.frameBodyB}) wake(id);
 }
 
 JointBodies World::Impl::jointBodies(const JointRecord& joint) const {
@@ -231,7 +231,7 @@ JointBodies World::Impl::jointBodies(const JointRecord& joint) const {
     const BodyState state = bodyState(id);
     return JointBodyState{state.position, state.orientation, registry.bodies[id].mass};
   };
-  return {of(joint.a), of(joint.b), of(joint.carrierA), of(joint.carrierB)};
+  return {of(joint.a), of(joint.b), of(joint.frameBodyA), of(joint.frameBodyB)};
 }
 
 void World::Impl::redefine(JointId id, const JointDef& def) {
@@ -252,7 +252,7 @@ void World::Impl::redefine(JointId id, const JointDef& def) {
     throw Error("joint", "friction or none, as when it was made: it decides what kind of joint it is",
                 "the other");
   joint.a = record.engine.a, joint.b = record.engine.b;
-  joint.carrierA = record.engine.carrierA, joint.carrierB = record.engine.carrierB;
+  joint.frameBodyA = record.engine.frameBodyA, joint.frameBodyB = record.engine.frameBodyB;
   wakeBodiesOf(record);
   engine->apply(SetJoint{record.engineSlot, joint, true});
   JointRecord& changed = registry.joints.edit(id);

@@ -132,7 +132,7 @@ std::vector<SolverState> World::solverStates() const {
   return out;
 }
 
-std::vector<SolverState> World::solverStates(SoftId id) const {
+std::vector<SolverState> World::solverStates(DeformableId id) const {
   impl_->requireAlive(id);
   impl_->flush();
   const SoftRange& range = impl_->registry.softs[id].range;
@@ -142,13 +142,13 @@ std::vector<SolverState> World::solverStates(SoftId id) const {
 
 ContactLoad World::contactLoad(BodyId id) const {
   impl_->requireAlive(id);
-  const Vec3 centre = impl_->bodyState(id).position;
+  const Vec3 center = impl_->bodyState(id).position;
   ContactLoad load;
   for (const EngineContact& c : impl_->engine->read().contacts()) {
     if (c.a != id.index && c.b != id.index) continue;
     const Vec3 force = c.b == id.index ? c.force : -c.force;
     load.force += force;
-    load.torque += cross(c.position - centre, force);
+    load.torque += cross(c.position - center, force);
     load.residual = std::max(load.residual, c.depth);
     ++load.points;
   }

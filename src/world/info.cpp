@@ -74,9 +74,9 @@ std::vector<DeformableInfo> deformableInfos() {
   };
   add("deformable", "what every deformable object has",
       [](auto&& f) { commonFields(static_cast<const DeformableDef&>(ParticlesDef{}), f); });
-  own(SoftDef{}, "solid of tetrahedra, stable neo-Hookean");
+  own(TetSolidDef{}, "solid of tetrahedra, stable neo-Hookean");
   own(ClothDef{}, "sheet of triangles that resists stretch, shear and bending");
-  own(RodDef{}, "line of vertices that resists stretch and bending, straight at rest; no twist");
+  own(CableDef{}, "line of vertices that resists stretch and bending, straight at rest; no twist");
   own(NetDef{}, "point masses joined by springs");
   own(ParticlesDef{}, "spheres that collide with bodies and with one another, and do not turn");
   for (const ElementKind& kind : elementKinds()) {

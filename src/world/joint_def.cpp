@@ -41,10 +41,10 @@ void validate(const JointDef& joint, const std::string& path) {
     validateAxis(joint.axes[i], path + ".axes[" + std::to_string(i) + "]");
 }
 
-void checkCarrier(JointType type, int body, int carrier, const std::string& path) {
-  if (carrier == kWorld) return;
-  if (!kindOf(type).isCarried) throw Error(path, std::string("none for a ") + keyword(type), "a body");
-  if (carrier == body) throw Error(path, "another body than the one that moves in it", "the same");
+void checkFrameBody(JointType type, int body, int frameBody, const std::string& path) {
+  if (frameBody == kWorld) return;
+  if (!kindOf(type).hasFrameBodies) throw Error(path, std::string("none for a ") + keyword(type), "a body");
+  if (frameBody == body) throw Error(path, "another body than the one that moves in it", "the same");
 }
 
 const char* keyword(JointType type) {
@@ -75,7 +75,7 @@ std::pair<Vec3, Quat> poseOf(const Scene& scene, int body) {
 /// The moving side and the frame body of a hinge or slider. If A is the world or a static body the roles of A
 /// and B are swapped: B moves the same way about the opposite axis.
 struct Moving {
-  int body, carrier;
+  int body, frameBody;
   Vec3 anchor;  ///< in the frame of the moving body
   Quat frame;   ///< in the frame of the moving body
 };
@@ -102,7 +102,7 @@ JointDef coupling(JointType type, const Moving& a, const Moving& b, double ratio
   JointDef joint;
   joint.type = type;
   joint.bodyA = a.body, joint.bodyB = b.body;
-  joint.carrierA = a.carrier, joint.carrierB = b.carrier;
+  joint.frameBodyA = a.frameBody, joint.frameBodyB = b.frameBody;
   joint.anchorA = a.anchor, joint.anchorB = b.anchor;
   joint.frameA = a.frame, joint.frameB = b.frame;
   joint.ratio = ratio;

@@ -64,7 +64,7 @@ class QueryShapes {
     validate(probe, std::string(list) + "[" + std::to_string(i) + "]");
     EngineQuery q = filtered(kind, query.filter);
     q.shape = cooked(query.shape, at(list, i, "shape"));
-    const BodyState state = ShapeFrame{q.shape->unit.centre, q.shape->unit.axes}.toEngine(
+    const BodyState state = ShapeFrame{q.shape->unit.center, q.shape->unit.axes}.toEngine(
         {query.position, normalize(query.orientation), {}, {}});
     q.position = state.position, q.orientation = state.orientation;
     return q;

@@ -11,23 +11,23 @@ namespace rubble {
 
 /// Pose of the engine frame in the authored frame.
 struct ShapeFrame {
-  Vec3 centre;
+  Vec3 center;
   Quat axes;
 
-  bool same() const { return centre == Vec3{} && axes == Quat{}; }
-  Vec3 pointToEngine(const Vec3& p) const { return rotateInverse(axes, p - centre); }
+  bool same() const { return center == Vec3{} && axes == Quat{}; }
+  Vec3 pointToEngine(const Vec3& p) const { return rotateInverse(axes, p - center); }
   /// Converts the state of the authored frame to that of the engine frame, and back.
   BodyState toEngine(BodyState s) const {
     if (same()) return s;
     s.orientation = normalize(s.orientation);
-    s.position += rotate(s.orientation, centre);
+    s.position += rotate(s.orientation, center);
     s.orientation = normalize(s.orientation * axes);
     return s;
   }
   BodyState toAuthor(BodyState s) const {
     if (same()) return s;
     s.orientation = normalize(s.orientation * conjugate(axes));
-    s.position -= rotate(s.orientation, centre);
+    s.position -= rotate(s.orientation, center);
     return s;
   }
 };

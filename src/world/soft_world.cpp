@@ -39,24 +39,24 @@ std::vector<double> sideWeights(const std::vector<int>& vertices, const std::vec
 
 }  // namespace
 
-void World::Impl::requireAlive(SoftId id) const {
+void World::Impl::requireAlive(DeformableId id) const {
   if (!registry.softs.alive(id)) throw Error("deformable", "an id that is alive", describe(id));
 }
 void World::Impl::requireAlive(AttachmentId id) const {
   if (!registry.attachments.alive(id)) throw Error("attachment", "an id that is alive", describe(id));
 }
 
-SoftId World::Impl::addSoft(const Deformable& def, const std::string& path) {
+DeformableId World::Impl::addSoft(const Deformable& def, const std::string& path) {
   const std::string& name = common(def).name;
   if (!name.empty() && registry.softNames.contains(name))
     throw Error(path + ".name", "a name that no other deformable object has", "\"" + name + "\"");
-  const SoftId id = registry.softs.add({def, cookDeformable(def, path), registry.softOrder++, {}});
+  const DeformableId id = registry.softs.add({def, cookDeformable(def, path), registry.softOrder++, {}});
   if (!name.empty()) registry.softNames[name] = id;
   softChanged = true;
   return id;
 }
 
-void World::Impl::removeSoft(SoftId id) {
+void World::Impl::removeSoft(DeformableId id) {
   requireAlive(id);
   for (const AttachmentId a : registry.attachments.ids())
     if (registry.attachments[a].object == id || registry.attachments[a].otherObject == id)
@@ -67,8 +67,8 @@ void World::Impl::removeSoft(SoftId id) {
   softChanged = true;
 }
 
-AttachmentId World::Impl::addAttachment(const AttachmentDef& def, SoftId object, BodyId body, SoftId other,
-                                        const std::string& path) {
+AttachmentId World::Impl::addAttachment(const AttachmentDef& def, DeformableId object, BodyId body,
+                                        DeformableId other, const std::string& path) {
   requireAlive(object);
   if (body.index >= 0) requireAlive(body);
   if (other.index >= 0) requireAlive(other);
@@ -77,7 +77,7 @@ AttachmentId World::Impl::addAttachment(const AttachmentDef& def, SoftId object,
   if (!(def.breakForce > 0))
     throw Error(path + ".breakForce", "a number above 0 or infinity", std::to_string(def.breakForce));
   AttachmentRecord record{def, object, other, body, {}, registry.softOrder++, -1};
-  const auto countOf = [&](SoftId id) { return int(registry.softs[id].model->vertices.size()); };
+  const auto countOf = [&](DeformableId id) { return int(registry.softs[id].model->vertices.size()); };
   record.def.weights = sideWeights(def.vertices, def.weights, countOf(object), path + ".vertices");
   std::size_t corners = def.vertices.size();
   if (other.index >= 0) {
@@ -123,7 +123,7 @@ void World::Impl::flush() {
   std::vector<EngineSoftObject> objects;
   SoftRange next;
   next.vertex = 0;
-  for (const SoftId id : inOrder(registry.softs)) {
+  for (const DeformableId id : inOrder(registry.softs)) {
     SoftRecord& r = registry.softs.edit(id);
     objects.push_back({r.model, next, r.range});
     r.range = next;
@@ -137,7 +137,7 @@ void World::Impl::flush() {
     AttachmentRecord& r = registry.attachments.edit(id);
     EngineAttachment a;
     int corner = 0;
-    const auto addSide = [&](SoftId object, const std::vector<int>& vertices,
+    const auto addSide = [&](DeformableId object, const std::vector<int>& vertices,
                              const std::vector<double>& weights, double sign) {
       const SoftRecord& soft = registry.softs[object];
       for (std::size_t i = 0; i < vertices.size(); ++i, ++corner) {
@@ -169,49 +169,51 @@ void World::Impl::flush() {
   softChanged = false;
 }
 
-SoftId World::add(const Deformable& deformable) { return impl_->addSoft(deformable, "deformable"); }
-void World::remove(SoftId id) { impl_->removeSoft(id); }
-bool World::alive(SoftId id) const { return impl_->registry.softs.alive(id); }
-std::vector<SoftId> World::deformables() const { return impl_->registry.softs.ids(); }
-SoftId World::findDeformable(const std::string& name) const {
+DeformableId World::addDeformable(const Deformable& deformable) {
+  return impl_->addSoft(deformable, "deformable");
+}
+void World::removeDeformable(DeformableId id) { impl_->removeSoft(id); }
+bool World::alive(DeformableId id) const { return impl_->registry.softs.alive(id); }
+std::vector<DeformableId> World::deformables() const { return impl_->registry.softs.ids(); }
+DeformableId World::findDeformable(const std::string& name) const {
   const auto it = impl_->registry.softNames.find(name);
   if (it == impl_->registry.softNames.end())
     throw Error("deformable", "the name of a deformable object", "\"" + name + "\"");
   return it->second;
 }
-SoftId World::deformableAt(int sceneIndex) const {
-  const std::vector<SoftId>& ids = impl_->registry.sceneSofts;
+DeformableId World::deformableAt(int sceneIndex) const {
+  const std::vector<DeformableId>& ids = impl_->registry.sceneSofts;
   if (sceneIndex < 0 || static_cast<std::size_t>(sceneIndex) >= ids.size())
     throw Error("deformable", "an index below " + std::to_string(ids.size()), std::to_string(sceneIndex));
   return ids[static_cast<std::size_t>(sceneIndex)];
 }
-const Deformable& World::definition(SoftId id) const {
+const Deformable& World::definition(DeformableId id) const {
   impl_->requireAlive(id);
   return impl_->registry.softs[id].def;
 }
-int World::vertexCount(SoftId id) const {
+int World::vertexCount(DeformableId id) const {
   impl_->requireAlive(id);
   return int(impl_->registry.softs[id].model->vertices.size());
 }
-std::vector<Vec3> World::positions(SoftId id) const {
+std::vector<Vec3> World::positions(DeformableId id) const {
   std::vector<Vec3> out(static_cast<std::size_t>(vertexCount(id)));
   impl_->flush();
   impl_->engine->read(Fetch::Vertices).vertexStates(impl_->registry.softs[id].range.vertex, out, {});
   return out;
 }
-std::vector<Vec3> World::velocities(SoftId id) const {
+std::vector<Vec3> World::velocities(DeformableId id) const {
   std::vector<Vec3> out(static_cast<std::size_t>(vertexCount(id)));
   impl_->flush();
   impl_->engine->read(Fetch::Vertices).vertexStates(impl_->registry.softs[id].range.vertex, {}, out);
   return out;
 }
-std::vector<double> World::masses(SoftId id) const {
+std::vector<double> World::masses(DeformableId id) const {
   impl_->requireAlive(id);
   std::vector<double> out;
   for (const SoftModel::Vertex& v : impl_->registry.softs[id].model->vertices) out.push_back(v.mass);
   return out;
 }
-void World::setVertices(SoftId id, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+void World::setVertices(DeformableId id, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
   const auto count = static_cast<std::size_t>(vertexCount(id));
   if (positions.size() != count || velocities.size() != count)
     throw Error("vertices", std::to_string(count) + " positions and velocities",
@@ -223,7 +225,7 @@ void World::setVertices(SoftId id, std::span<const Vec3> positions, std::span<co
                                    {positions.begin(), positions.end()},
                                    {velocities.begin(), velocities.end()}});
 }
-void World::applyVertexForce(SoftId id, int vertex, const Vec3& force) {
+void World::applyVertexForce(DeformableId id, int vertex, const Vec3& force) {
   if (vertex < 0 || vertex >= vertexCount(id))
     throw Error("vertex", "an index below " + std::to_string(vertexCount(id)), std::to_string(vertex));
   checks::finite(force, "force");
@@ -231,7 +233,7 @@ void World::applyVertexForce(SoftId id, int vertex, const Vec3& force) {
   impl_->engine->apply(AddVertexForce{impl_->registry.softs[id].range.vertex + vertex, force});
 }
 
-World::Surface World::surface(SoftId id) const {
+World::Surface World::surface(DeformableId id) const {
   Surface out;
   out.id = id;
   out.vertices = positions(id);
@@ -254,11 +256,11 @@ World::Surface World::surface(SoftId id) const {
   return out;
 }
 
-AttachmentId World::addAttachment(const AttachmentDef& attachment, SoftId object, BodyId body,
-                                  SoftId otherObject) {
+AttachmentId World::addAttachment(const AttachmentDef& attachment, DeformableId object, BodyId body,
+                                  DeformableId otherObject) {
   return impl_->addAttachment(attachment, object, body, otherObject, "attachment");
 }
-void World::remove(AttachmentId id) { impl_->removeAttachment(id); }
+void World::removeAttachment(AttachmentId id) { impl_->removeAttachment(id); }
 bool World::alive(AttachmentId id) const { return impl_->registry.attachments.alive(id); }
 std::vector<AttachmentId> World::attachments() const { return impl_->registry.attachments.ids(); }
 World::AttachmentEnds World::endsOf(AttachmentId id) const {
@@ -275,12 +277,12 @@ JointState World::state(AttachmentId id) const {
 std::vector<VertexContact> World::vertexContacts() const {
   impl_->flush();
   const Registry& r = impl_->registry;
-  const std::vector<SoftId> order = inOrder(r.softs);
+  const std::vector<DeformableId> order = inOrder(r.softs);
   // the object of a vertex: the last one that starts at or before it
   const auto owner = [&](int vertex, int& local) {
     const auto next = std::upper_bound(order.begin(), order.end(), vertex,
-                                       [&](int v, SoftId id) { return v < r.softs[id].range.vertex; });
-    const SoftId id = *(next - 1);
+                                       [&](int v, DeformableId id) { return v < r.softs[id].range.vertex; });
+    const DeformableId id = *(next - 1);
     local = vertex - r.softs[id].range.vertex;
     return id;
   };

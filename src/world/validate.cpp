@@ -31,10 +31,10 @@ void validateJoint(const Scene& scene, const JointDef& joint, const std::string&
   const auto dynamic = [&](int body) {
     return body != kWorld && scene.bodies[static_cast<std::size_t>(body)].motion == Motion::Dynamic;
   };
-  inRange(joint.carrierA, ".carrierA");
-  inRange(joint.carrierB, ".carrierB");
-  checkCarrier(joint.type, joint.bodyA, joint.carrierA, path + ".carrierA");
-  checkCarrier(joint.type, joint.bodyB, joint.carrierB, path + ".carrierB");
+  inRange(joint.frameBodyA, ".frameBodyA");
+  inRange(joint.frameBodyB, ".frameBodyB");
+  checkFrameBody(joint.type, joint.bodyA, joint.frameBodyA, path + ".frameBodyA");
+  checkFrameBody(joint.type, joint.bodyB, joint.frameBodyB, path + ".frameBodyB");
   if (!dynamic(joint.bodyA) && !dynamic(joint.bodyB)) throw Error(path, "at least one dynamic body", "none");
   validate(joint, path);
 }

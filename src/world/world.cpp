@@ -62,12 +62,13 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
     return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)];
   };
   for (const JointDef& joint : scene.joints)
-    impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.carrierA), idOf(joint.carrierB));
+    impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.frameBodyA),
+                    idOf(joint.frameBodyB));
   for (const auto& [a, b] : scene.exclusions) impl_->exclude(idOf(a), idOf(b), true);
   for (std::size_t i = 0; i < scene.deformables.size(); ++i)
     r.sceneSofts.push_back(impl_->addSoft(scene.deformables[i], "deformables[" + std::to_string(i) + "]"));
   const auto softOf = [&](int object) {
-    return object < 0 ? SoftId{} : r.sceneSofts[static_cast<std::size_t>(object)];
+    return object < 0 ? DeformableId{} : r.sceneSofts[static_cast<std::size_t>(object)];
   };
   for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
     const AttachmentDef& a = scene.attachments[i];
@@ -118,17 +119,17 @@ void World::setGravity(const Vec3& gravity) {
 std::int64_t World::stepCount() const { return impl_->registry.step; }
 double World::time() const { return impl_->registry.time; }
 
-BodyId World::add(const BodyDef& body) {
+BodyId World::addBody(const BodyDef& body) {
   validate(body, "body");
   std::vector<CookedEntry> fresh;
   return impl_->addBody(body, impl_->ready(body, "body", fresh));
 }
-void World::remove(BodyId id) { impl_->removeBody(id); }
+void World::removeBody(BodyId id) { impl_->removeBody(id); }
 void World::setCollide(BodyId a, BodyId b, bool collide) { impl_->exclude(a, b, !collide); }
 bool World::alive(BodyId id) const { return impl_->registry.bodies.alive(id); }
 std::vector<BodyId> World::bodies() const { return impl_->registry.bodies.ids(); }
 
-BodyId World::find(const std::string& name) const {
+BodyId World::findBody(const std::string& name) const {
   const auto it = impl_->registry.bodyNames.find(name);
   if (it == impl_->registry.bodyNames.end()) throw Error("body", "the name of a body", "\"" + name + "\"");
   return it->second;
@@ -192,11 +193,11 @@ void World::applyTorque(BodyId id, const Vec3& torque) {
 }
 void World::applyImpulse(BodyId id, const Vec3& impulse) { applyImpulses({&id, 1}, {&impulse, 1}); }
 
-JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b, BodyId carrierA, BodyId carrierB) {
+JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB) {
   validate(joint, "joint");
-  return impl_->addJoint(joint, a, b, carrierA, carrierB);
+  return impl_->addJoint(joint, a, b, frameBodyA, frameBodyB);
 }
-void World::remove(JointId id) { impl_->removeJoint(id); }
+void World::removeJoint(JointId id) { impl_->removeJoint(id); }
 bool World::alive(JointId id) const { return impl_->registry.joints.alive(id); }
 std::vector<JointId> World::joints() const { return impl_->registry.joints.ids(); }
 JointId World::findJoint(const std::string& name) const {
@@ -225,9 +226,9 @@ std::array<BodyId, 2> World::bodiesOf(JointId id) const {
   impl_->requireAlive(id);
   return {impl_->registry.joints[id].a, impl_->registry.joints[id].b};
 }
-std::array<BodyId, 2> World::carriersOf(JointId id) const {
+std::array<BodyId, 2> World::frameBodiesOf(JointId id) const {
   impl_->requireAlive(id);
-  return {impl_->registry.joints[id].carrierA, impl_->registry.joints[id].carrierB};
+  return {impl_->registry.joints[id].frameBodyA, impl_->registry.joints[id].frameBodyB};
 }
 void World::setDefinition(JointId id, const JointDef& joint) { impl_->redefine(id, joint); }
 void World::setTargetPosition(JointId id, int axis, double position) {
@@ -261,14 +262,14 @@ void World::setDriveOrientation(JointId id, const Quat& orientation) {
   impl_->redefine(id, def);
 }
 
-JointId World::grab(BodyId id, const Vec3& point, double maxForce, double frequency) {
+JointId World::addDragJoint(BodyId id, const Vec3& point, double maxForce, double frequency) {
   impl_->requireAlive(id);
   checks::positive(frequency, "frequency");
   checks::finite(point, "point");
   checks::positiveOrInfinite(maxForce, "maxForce");
   const BodyState body = state(id);
   JointDef def;
-  def.type = JointType::Grab;
+  def.type = JointType::Drag;
   def.anchorA = rotateInverse(body.orientation, point - body.position);
   def.anchorB = point;
   const double rate = 2 * std::numbers::pi * frequency;
@@ -277,10 +278,10 @@ JointId World::grab(BodyId id, const Vec3& point, double maxForce, double freque
   def.maxForce = maxForce;
   return addJoint(def, id, {});
 }
-void World::moveGrab(JointId id, const Vec3& target) {
+void World::setDragTarget(JointId id, const Vec3& target) {
   impl_->requireAlive(id);
   JointDef def = definition(id);
-  if (def.type != JointType::Grab) throw Error("joint", "a grab", keyword(def.type));
+  if (def.type != JointType::Drag) throw Error("joint", "a drag joint", keyword(def.type));
   def.anchorB = target;
   impl_->redefine(id, def);
 }

@@ -90,7 +90,7 @@ void validate(const BodyState& state, const std::string& path);
 struct JointRecord {
   JointDef def;
   BodyId a, b;  ///< index -1: the world
-  BodyId carrierA, carrierB;
+  BodyId frameBodyA, frameBodyB;
   EngineJoint engine;  ///< as the engine has it
   int engineSlot;      ///< index among the joints of its type
   bool broken = false;
@@ -111,9 +111,9 @@ struct SoftRecord {
 
 struct AttachmentRecord {
   AttachmentDef def;
-  SoftId object, otherObject;  ///< other: index -1: not a vertex-vertex attachment
-  BodyId body;                 ///< index -1: the world
-  Vec3 anchor;                 ///< in the body frame, or in the world [m]
+  DeformableId object, otherObject;  ///< other: index -1: not a vertex-vertex attachment
+  BodyId body;                       ///< index -1: the world
+  Vec3 anchor;                       ///< in the body frame, or in the world [m]
   std::int64_t order;
   int engineIndex = -1;  ///< -1: not placed yet
 };
@@ -122,10 +122,10 @@ struct AttachmentRecord {
 struct Registry {
   Slots<BodyId, BodyRecord> bodies;
   Slots<JointId, JointRecord> joints;
-  Slots<SoftId, SoftRecord> softs;
+  Slots<DeformableId, SoftRecord> softs;
   Slots<AttachmentId, AttachmentRecord> attachments;
-  std::unordered_map<std::string, SoftId> softNames;
-  std::vector<SoftId> sceneSofts;
+  std::unordered_map<std::string, DeformableId> softNames;
+  std::vector<DeformableId> sceneSofts;
   std::int64_t softOrder = 0;
   std::unordered_map<std::string, BodyId> bodyNames;
   std::unordered_map<std::string, JointId> jointNames;
@@ -181,7 +181,7 @@ struct World::Impl {
   BodyId addBody(const BodyDef& def, const ReadyBody& ready);
   /// Adds all bodies or, with an Error, none.
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const std::string& list);
-  JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId carrierA, BodyId carrierB);
+  JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB);
   /// Redefines a joint, with the same type.
   void redefine(JointId id, const JointDef& def);
   /// Redefines a joint whose axis is changed by edit(JointAxis&).
@@ -209,13 +209,13 @@ struct World::Impl {
   BodyState bodyState(BodyId id) const { return engine->read(Fetch::Body, id.index).state(id.index); }
   void requireAlive(JointId id) const;
   PoseCopies& poseCopies();
-  SoftId addSoft(const Deformable& def, const std::string& path);
-  AttachmentId addAttachment(const AttachmentDef& def, SoftId object, BodyId body, SoftId other,
+  DeformableId addSoft(const Deformable& def, const std::string& path);
+  AttachmentId addAttachment(const AttachmentDef& def, DeformableId object, BodyId body, DeformableId other,
                              const std::string& path);
-  void removeSoft(SoftId id);
+  void removeSoft(DeformableId id);
   void removeAttachment(AttachmentId id);
   void removeAttachmentsOf(BodyId id);
-  void requireAlive(SoftId id) const;
+  void requireAlive(DeformableId id) const;
   void requireAlive(AttachmentId id) const;
   /// Sends edits of deformable objects, which the engine takes all at once.
   void flush();

@@ -90,13 +90,13 @@ TEST(Capacity, GrowsWithTheWorldAndStaysGrown) {
   const std::size_t small = world.memoryBytes();
   std::vector<BodyId> added;
   for (int i = 0; i < 500; ++i)
-    added.push_back(world.add(test::unitCube({2. * (i % 25), 2. * (i / 25) + 2, .5})));
+    added.push_back(world.addBody(test::unitCube({2. * (i % 25), 2. * (i / 25) + 2, .5})));
   test::run(world, 3);
   const std::size_t large = world.memoryBytes();
   EXPECT_GT(large, small);
   // a settled body of a sparse scene takes a few kilobytes
   EXPECT_LT(large, 8192u * 500u + small);
-  for (const BodyId id : added) world.remove(id);
+  for (const BodyId id : added) world.removeBody(id);
   test::run(world, 3);
   EXPECT_EQ(world.memoryBytes(), large);
 }

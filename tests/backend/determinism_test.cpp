@@ -49,10 +49,10 @@ TEST(Determinism, EditsWhileRunningKeepTheBits) {
   const auto run = [](int threads) {
     World world(test::heap(4), test::options(4, "cpu", threads));
     test::run(world, 30);
-    world.remove(world.bodyAt(5));
-    world.remove(world.bodyAt(9));
+    world.removeBody(world.bodyAt(5));
+    world.removeBody(world.bodyAt(9));
     for (int i = 0; i < 10; ++i) {
-      world.add(test::unitCube({.2 * i, 0, 6. + 1.2 * i}));
+      world.addBody(test::unitCube({.2 * i, 0, 6. + 1.2 * i}));
       test::run(world, 3);
     }
     world.applyImpulse(world.bodyAt(20), {1, 2, 3});

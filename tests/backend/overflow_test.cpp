@@ -21,8 +21,8 @@ Scene softAndRolling() {
   scene.bodies = {test::ground()};
   for (int k = 0; k < 4; ++k) scene.bodies.push_back(test::body(Shape::sphere(.1), {1, .5 * k, .1}));
   for (BodyDef& b : scene.bodies) b.material.rollingFriction = .01;
-  scene.deformables = {softBox({-.2, -.2, .01}, {.4, .4, .4}, {3, 3, 3}),
-                       softBox({-.18, -.15, .45}, {.4, .4, .4}, {3, 3, 3})};
+  scene.deformables = {tetBox({-.2, -.2, .01}, {.4, .4, .4}, {3, 3, 3}),
+                       tetBox({-.18, -.15, .45}, {.4, .4, .4}, {3, 3, 3})};
   return scene;
 }
 

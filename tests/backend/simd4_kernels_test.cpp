@@ -147,7 +147,7 @@ TEST(JointSweep, OneCodeForAllTypesAboutAPointHasTheBitsOfThatOfEach) {
       acting |= s.jointsOf<SwingTwistJoint>()[i].acting;
   }
   constexpr int kTwist = 4;
-  EXPECT_EQ(acting >> turnBit(firstTurnLaw<SwingTwistJoint, kTwist>()) & 7, 7)
+  EXPECT_EQ(acting >> angularBit(firstAngularLaw<SwingTwistJoint, kTwist>()) & 7, 7)
       << "limits, drives and friction are among them";
 }
 

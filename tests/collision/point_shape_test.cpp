@@ -131,9 +131,9 @@ TEST(PointDistance, OfAHeightFieldIsThatOfItsTriangles) {
     const rubble::Vec3 x{random.uniform(-.1, 1.1), random.uniform(-.1, 1.1), random.uniform(-.3, .3)};
     const PointReach reach{.12, .06, {0, 0, 0}};
     const PointDistance a = pointToGeneralShape(
-        shelf.tables(), field, Vec3(rotateInverse(fieldFrame.axes, x - fieldFrame.centre)), reach);
+        shelf.tables(), field, Vec3(rotateInverse(fieldFrame.axes, x - fieldFrame.center)), reach);
     const PointDistance b = pointToGeneralShape(
-        shelf.tables(), mesh, Vec3(rotateInverse(meshFrame.axes, x - meshFrame.centre)), reach);
+        shelf.tables(), mesh, Vec3(rotateInverse(meshFrame.axes, x - meshFrame.center)), reach);
     near += a.distance < 1;
     EXPECT_NEAR(std::min(a.distance, Real(1)), std::min(b.distance, Real(1)), 1e-9);
   }

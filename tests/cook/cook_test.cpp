@@ -44,7 +44,7 @@ TEST(Hull, OfABoxHasItsMassWhereverItLies) {
     const MassProperties box = massProperties(Shape::box(h), 700),
                          hull = massProperties(Shape::hull(boxCorners(h, at, q)), 700);
     EXPECT_NEAR(hull.mass / box.mass, 1, 1e-12);
-    EXPECT_TRUE(near(hull.centre, at, 1e-12));
+    EXPECT_TRUE(near(hull.center, at, 1e-12));
     MassProperties turned = box;
     turned.axes = q;
     EXPECT_TRUE(sameTensor(tensor(hull), tensor(turned), 1e-10 * length(box.inertia)));
@@ -65,7 +65,7 @@ TEST(Hull, OfATessellatedSphereComesCloseToIt) {
                        sphere = massProperties(Shape::sphere(1), 1);
   EXPECT_LT(hull.mass, sphere.mass);
   EXPECT_NEAR(hull.mass / sphere.mass, 1, .04);
-  EXPECT_TRUE(near(hull.centre, Vec3{}, 1e-3));
+  EXPECT_TRUE(near(hull.center, Vec3{}, 1e-3));
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(hull.inertia[i] / hull.mass, .4, .02);
 }
 
@@ -103,7 +103,7 @@ TEST(MassProperties, OfEverySolidAgreeWithItsSurface) {
     }
     const MassProperties a = massProperties(shape, 1), b = principal(sums);
     EXPECT_NEAR(a.mass / b.mass, 1, 4e-3) << static_cast<int>(shape.type);
-    EXPECT_TRUE(near(a.centre, b.centre, 2e-3));
+    EXPECT_TRUE(near(a.center, b.center, 2e-3));
     EXPECT_TRUE(sameTensor(tensor(a), tensor(b), 6e-3 * length(b.inertia)));
   }
 }
@@ -126,7 +126,7 @@ TEST(MassProperties, OfACompoundAreThoseOfTheWhole) {
       {{half, {.25, 0, 0}, {}}, {Shape::box({.3, .25, .2}), {-.25, 0, 0}, turn}});
   const MassProperties a = massProperties(whole, 3), b = massProperties(Shape::box({.5, .3, .2}), 3);
   EXPECT_NEAR(a.mass, b.mass, 1e-12);
-  EXPECT_TRUE(near(a.centre, b.centre, 1e-12));
+  EXPECT_TRUE(near(a.center, b.center, 1e-12));
   EXPECT_TRUE(sameTensor(tensor(a), tensor(b), 1e-12));
 }
 
@@ -142,7 +142,7 @@ TEST(MassProperties, OfADistanceFieldAgreeWithTheSolid) {
                            Shape::distanceField({n, n, n}, {-1.2, -1.2, -1.2}, spacing, distances), 1),
                        sphere = massProperties(Shape::sphere(.8), 1);
   EXPECT_NEAR(field.mass / sphere.mass, 1, .01);
-  EXPECT_TRUE(near(field.centre, Vec3{-.1, 0, 0}, 2e-3));
+  EXPECT_TRUE(near(field.center, Vec3{-.1, 0, 0}, 2e-3));
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(field.inertia[i] / sphere.inertia[i], 1, .02);
 }
 

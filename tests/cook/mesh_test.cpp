@@ -82,7 +82,7 @@ TEST(Tetrahedralize, FillsARingWithWellShapedTetrahedra) {
       }
     }
     for (const auto& [edge, count] : edges) EXPECT_EQ(count % 2, 0);
-    EXPECT_NO_THROW(validate(softFromMesh(mesh), "ring"));
+    EXPECT_NO_THROW(validate(tetSolidFromMesh(mesh), "ring"));
   }
 }
 
@@ -156,7 +156,7 @@ TEST(Mesh, ClothLeavesOutWhatItDoesNotUse) {
 }
 
 TEST(Mesh, SolidsTurnTetrahedraOver) {
-  const SoftDef solid = softFromMesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 0, 2, 3}}});
+  const TetSolidDef solid = tetSolidFromMesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 0, 2, 3}}});
   EXPECT_NO_THROW(validate(solid, "solid"));
 }
 
@@ -165,31 +165,31 @@ TEST(Mesh, RodsRefuseSegmentsTooShortToBeMeant) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double segment : {1e-300, 1e-9, 2e-9, 1e-7, 0., -1., nan}) {
     try {
-      rodAlong(points, segment);
+      cableAlong(points, segment);
       ADD_FAILURE() << segment;
     } catch (const Error& error) {
       EXPECT_EQ(error.path(), "segment") << error.what();
     }
   }
-  EXPECT_EQ(rodAlong(points, 1e-3).vertices.size(), 10001u);
-  EXPECT_EQ(rodAlong(points, 1e300).vertices.size(), 2u);
-  EXPECT_THROW(rodAlong({{0, 0, 0}, {nan, 0, 0}}, 1), Error);
+  EXPECT_EQ(cableAlong(points, 1e-3).vertices.size(), 10001u);
+  EXPECT_EQ(cableAlong(points, 1e300).vertices.size(), 2u);
+  EXPECT_THROW(cableAlong({{0, 0, 0}, {nan, 0, 0}}, 1), Error);
 }
 
 TEST(Mesh, RodsHaveSegmentsOfOneLength) {
-  const RodDef bent = rodAlong({{0, 0, 0}, {1, 0, 0}, {1, 2, 0}}, .24);
+  const CableDef bent = cableAlong({{0, 0, 0}, {1, 0, 0}, {1, 2, 0}}, .24);
   ASSERT_EQ(bent.vertices.size(), 14u);
   EXPECT_EQ(bent.vertices.front(), (Vec3{0, 0, 0}));
   EXPECT_LT(length(bent.vertices.back() - Vec3{1, 2, 0}), 1e-12);
   EXPECT_NEAR(length(bent.vertices[1] - bent.vertices[0]), 3. / 13, 1e-12);
   EXPECT_NEAR(bent.vertices[5].y, 5 * 3. / 13 - 1, 1e-12);
-  const RodDef ring = rodAlong({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, .5, true);
+  const CableDef ring = cableAlong({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, .5, true);
   EXPECT_TRUE(ring.closed);
   EXPECT_EQ(ring.vertices.size(), 8u);
   EXPECT_NO_THROW(validate(ring, "ring"));
-  EXPECT_NE(errorOf([] { rodAlong({{0, 0, 0}}, 1); }), "");
-  EXPECT_NE(errorOf([] { rodAlong({{0, 0, 0}, {0, 0, 0}}, 1); }), "");
-  EXPECT_NE(errorOf([] { rodAlong({{0, 0, 0}, {1, 0, 0}}, 0); }), "");
+  EXPECT_NE(errorOf([] { cableAlong({{0, 0, 0}}, 1); }), "");
+  EXPECT_NE(errorOf([] { cableAlong({{0, 0, 0}, {0, 0, 0}}, 1); }), "");
+  EXPECT_NE(errorOf([] { cableAlong({{0, 0, 0}, {1, 0, 0}}, 0); }), "");
 }
 
 }  // namespace

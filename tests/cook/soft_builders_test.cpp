@@ -5,14 +5,14 @@
 #include <map>
 #include <numbers>
 
+#include <rubble/deformables.h>
 #include <rubble/error.h>
-#include <rubble/soft.h>
 
 namespace rubble {
 namespace {
 
 /// How many tetrahedra have each face.
-std::map<std::array<int, 3>, int> facesOf(const SoftDef& d) {
+std::map<std::array<int, 3>, int> facesOf(const TetSolidDef& d) {
   std::map<std::array<int, 3>, int> faces;
   for (const auto& t : d.tetrahedra)
     for (std::size_t left = 0; left < 4; ++left) {
@@ -25,7 +25,7 @@ std::map<std::array<int, 3>, int> facesOf(const SoftDef& d) {
   return faces;
 }
 
-double volumeOf(const SoftDef& d, const std::array<int, 4>& t) {
+double volumeOf(const TetSolidDef& d, const std::array<int, 4>& t) {
   const auto at = [&](std::size_t k) { return d.vertices[static_cast<std::size_t>(t[k])]; };
   return dot(at(1) - at(0), cross(at(2) - at(0), at(3) - at(0))) / 6;
 }
@@ -34,7 +34,7 @@ class SoftBall : public testing::TestWithParam<int> {};
 
 TEST_P(SoftBall, IsFilledByTetrahedraThatFitToOneAnother) {
   constexpr double kRadius = .7;
-  const SoftDef ball = softBall({1, 2, 3}, kRadius, GetParam());
+  const TetSolidDef ball = tetBall({1, 2, 3}, kRadius, GetParam());
   double volume = 0;
   for (const auto& t : ball.tetrahedra) {
     EXPECT_GT(volumeOf(ball, t), 0);
@@ -57,7 +57,7 @@ TEST_P(SoftBall, IsFilledByTetrahedraThatFitToOneAnother) {
 }
 
 TEST_P(SoftBall, HasNoTetrahedronWithAllCornersOnItsSurface) {
-  const SoftDef ball = softBall({0, 0, 0}, 1, GetParam());
+  const TetSolidDef ball = tetBall({0, 0, 0}, 1, GetParam());
   for (const auto& t : ball.tetrahedra)
     EXPECT_FALSE(std::all_of(t.begin(), t.end(), [&](int v) {
       return length(ball.vertices[static_cast<std::size_t>(v)]) > .999;
@@ -67,8 +67,8 @@ TEST_P(SoftBall, HasNoTetrahedronWithAllCornersOnItsSurface) {
 INSTANTIATE_TEST_SUITE_P(Cells, SoftBall, testing::Values(2, 3, 4, 5, 9));
 
 TEST(SoftBall, WantsTwoCellsAndARadius) {
-  EXPECT_THROW(softBall({0, 0, 0}, 1, 1), Error);
-  EXPECT_THROW(softBall({0, 0, 0}, 0, 4), Error);
+  EXPECT_THROW(tetBall({0, 0, 0}, 1, 1), Error);
+  EXPECT_THROW(tetBall({0, 0, 0}, 0, 4), Error);
 }
 
 }  // namespace

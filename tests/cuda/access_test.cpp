@@ -88,8 +88,8 @@ TEST_F(CudaAccess, BatchesDoWhatSingleEditsDo) {
   EXPECT_TRUE(sameStates(one, many));
   const std::vector<BodyDef> fresh = {boxAt({30, 0, 5}), boxAt({32, 0, 5})};
   const std::vector<BodyId> gone = {ids[0], ids[9], ids[17]};
-  for (const BodyDef& body : fresh) one.add(body);
-  for (const BodyId id : gone) one.remove(id);
+  for (const BodyDef& body : fresh) one.addBody(body);
+  for (const BodyId id : gone) one.removeBody(id);
   many.addBodies(fresh), many.removeBodies(gone);
   run(one, 20), run(many, 20);
   EXPECT_EQ(one.hash(), many.hash());
@@ -172,7 +172,7 @@ TEST_F(CudaAccess, SnapshotsStayOnTheDeviceAndOutliveEditsAndTheirWorld) {
   run(world, 5);
   const std::uint64_t later = world.hash();
   world.removeBodies(std::vector<BodyId>{world.bodyAt(4), world.bodyAt(33)});
-  world.add(boxAt({40, 0, 3}));
+  world.addBody(boxAt({40, 0, 3}));
   run(world, 5);
   world.restore(first);
   EXPECT_EQ(world.hash(), hash);

@@ -69,7 +69,7 @@ TEST_F(CudaCapacity, GrowsWithTheScene) {
   int restarts = 0;
   for (int i = 0; i < 40; ++i) {
     for (World* world : {&cpu, &cuda})
-      for (int k = 0; k < 8; ++k) world->add(boxAt({1.5 * k, 1.5 * (i % 8), .6 + 1.1 * (i / 8)}));
+      for (int k = 0; k < 8; ++k) world->addBody(boxAt({1.5 * k, 1.5 * (i % 8), .6 + 1.1 * (i / 8)}));
     const StepReport a = cpu.step(), b = cuda.step();
     restarts += b.restarts;
     ASSERT_EQ(a.bodies, b.bodies);

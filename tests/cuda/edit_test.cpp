@@ -11,10 +11,10 @@ TEST_F(CudaEdit, AddsAndRemovesAsTheCpuDoes) {
   for (World* world : {&cpu, &cuda}) {
     run(*world, 10);
     // a corner of the top layer goes, and its slot is used for another body elsewhere
-    world->remove(world->bodies().back());
+    world->removeBody(world->bodies().back());
     run(*world, 5);
-    world->add(boxAt({20, 0, .5}));
-    world->add(boxAt({20, 0, 1.5}));
+    world->addBody(boxAt({20, 0, .5}));
+    world->addBody(boxAt({20, 0, 1.5}));
     run(*world, 15);
   }
   EXPECT_EQ(cpu.bodies(), cuda.bodies());
@@ -28,8 +28,8 @@ TEST_F(CudaEdit, ForgetsTheContactsOfARemovedBody) {
   World world(scene, optionsFor("cuda"));
   run(world, 5);
   EXPECT_FALSE(world.contacts().empty());
-  world.remove(world.bodyAt(2));
-  world.remove(world.bodyAt(1));
+  world.removeBody(world.bodyAt(2));
+  world.removeBody(world.bodyAt(1));
   EXPECT_TRUE(world.contacts().empty());
   EXPECT_EQ(world.step().contacts, 0);
 }
@@ -99,7 +99,7 @@ TEST_F(CudaEdit, AddsAndRemovesJoints) {
   run(world, 60);
   EXPECT_LT(world.state(id).gap, .05);
   EXPECT_NEAR(world.state(world.bodyAt(0)).position.z, before, .05);
-  world.remove(id);
+  world.removeBody(id);
   run(world, 60);
   EXPECT_LT(world.state(world.bodyAt(0)).position.z, before - 4);
 }

@@ -86,8 +86,8 @@ TEST_F(CudaOrder, LetsEditsAndArraysFindTheirBodies) {
   const double before = w.state(pushed).velocity.z;
   w.applyImpulse(pushed, {0, 0, 1e4});
   EXPECT_GT(w.state(pushed).velocity.z, before + 5);
-  w.remove(gone);
-  const BodyId fresh = w.add(boxAt({-20, 20, 5}));
+  w.removeBody(gone);
+  const BodyId fresh = w.addBody(boxAt({-20, 20, 5}));
   EXPECT_EQ(fresh.index, gone.index);
   w.applyForce(fresh, {0, 0, 9.81 * w.massOf(fresh).mass});
   w.step();

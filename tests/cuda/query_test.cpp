@@ -113,8 +113,8 @@ TEST_F(CudaQuery, SeesEditsAndLeavesTheStepAlone) {
   EXPECT_FALSE(asked.castRays({&ray, 1})[0].hit);
   BodyDef ball = body(Shape::sphere(1), {0, 0, 40});
   ball.motion = Motion::Static;
-  const BodyId id = asked.add(ball);
-  alone.add(ball);
+  const BodyId id = asked.addBody(ball);
+  alone.addBody(ball);
   const RayHit hit = asked.castRays({&ray, 1})[0];
   EXPECT_TRUE(hit.hit);
   EXPECT_EQ(hit.body, id);

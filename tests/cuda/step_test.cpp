@@ -174,7 +174,7 @@ TEST_F(CudaStep, RunsAWorldWithoutBodies) {
   const StepReport report = run(world, 3);
   EXPECT_EQ(report.bodies, 0);
   EXPECT_EQ(report.contacts, 0);
-  world.add(boxAt({0, 0, 10}));
+  world.addBody(boxAt({0, 0, 10}));
   run(world, 3);
   EXPECT_LT(world.state(world.bodies()[0]).position.z, 10);
 }

@@ -89,7 +89,7 @@ struct PlanarKind {
                        {.range = FieldRange::NotNegative})},
       kBreakFields);
   static void build(JointBuild& b) {
-    b.joint.groups = {b.held(), b.heldTurns()};
+    b.joint.groups = {b.held(), b.heldRotations()};
     b.joint.isRigid = false;
     b.joint.constants.set(PlanarJoint::Constants{ownIn<PlanarFields>(b.def.own).offset});
   }

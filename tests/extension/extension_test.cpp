@@ -169,11 +169,11 @@ TEST(Extension, IsSimulated) {
   World world(read(kScene).scene, options);
   for (int i = 0; i < 240; ++i) world.step();
   // the slab falls within the plane x = 0.25 until it lies on the floor
-  const BodyState slab = world.state(world.find("slab"));
+  const BodyState slab = world.state(world.findBody("slab"));
   EXPECT_NEAR(slab.position.x, .25, 1e-3);
   EXPECT_NEAR(slab.position.z, .5, 1e-2);
   // the egg, which stood on its tip, lies or stands, and does not sink in
-  const BodyState egg = world.state(world.find("egg"));
+  const BodyState egg = world.state(world.findBody("egg"));
   EXPECT_GT(egg.position.z, .49);
   EXPECT_LT(egg.position.z, 1.01);
   // the grain hangs from the fixed one; K = 2 kN/m holds its few milligrams at the rest length

@@ -16,8 +16,8 @@ template <class F> struct JointCase {
 
 /// The pose of the body of a side.
 template <class F> Pose& poseOf(JointCase<F>& x, int side) {
-  if constexpr (isCarried<F>())
-    if (side >= 2) return side == 2 ? x.a.carrier : x.b.carrier;
+  if constexpr (hasFrameBodies<F>())
+    if (side >= 2) return side == 2 ? x.a.frameBody : x.b.frameBody;
   return side == 0 ? x.a : x.b;
 }
 
@@ -37,7 +37,7 @@ template <class F> JointCase<F> randomJointCase(test::Random& random) {
   if constexpr (requires { d.frameB; }) d.frameB = random.rotation();
   if constexpr (requires { d.baseA; }) {
     d.baseA = random.rotation();
-    d.frameA = frameNear(random, x.a.carrier.q * d.baseA, x.a.q);
+    d.frameA = frameNear(random, x.a.frameBody.q * d.baseA, x.a.q);
   } else if constexpr (requires { d.frameA; }) {
     // not at the tip of the cone, which has no direction
     do d.frameA = frameNear(random, x.b.q * d.frameB, x.a.q);
@@ -45,7 +45,7 @@ template <class F> JointCase<F> randomJointCase(test::Random& random) {
   }
   if constexpr (requires { d.baseB; }) {
     d.baseB = random.rotation();
-    d.frameB = frameNear(random, x.b.carrier.q * d.baseB, x.b.q);
+    d.frameB = frameNear(random, x.b.frameBody.q * d.baseB, x.b.q);
   }
   if constexpr (requires { d.driveTarget; }) {
     d.driveTarget = random.rotationUpTo(.4) * conjugate(x.b.q * d.frameB) * x.a.q * d.frameA;
@@ -99,7 +99,7 @@ template <class F> JointSpec<F> specOf(const typename F::Data& data) {
   JointSpec<F> spec{};
   spec.data = data;
   spec.a = 0, spec.b = 1;
-  if constexpr (isCarried<F>()) spec.carrierA = 2, spec.carrierB = 3;
+  if constexpr (hasFrameBodies<F>()) spec.frameBodyA = 2, spec.frameBodyB = 3;
   spec.alive = spec.isRigid = true;
   spec.breakForce = spec.breakTorque = kHardValue;
   forEachPart<F>([&]<int I, class P>() {
@@ -122,7 +122,7 @@ void accumulateFrom(const JointSpec<F>& spec, Joint<F> joint, const JointCase<F>
   if constexpr (isPivot<F>()) {
     joint.offset = {0, 0, 0};
     joint.end[0] = {spec.data.anchorA, spec.a}, joint.end[1] = {spec.data.anchorB, spec.b};
-    TurnStream<true> ahead(joint.acting, &turns.from, turns.law);
+    AngularRowStream<true> ahead(joint.acting, &turns.from, turns.law);
     accumulatePivot(joint, partOf<0>(joint.parts), ahead, a, b, side, block);
   } else {
     accumulateJoint(spec, joint, &turns, a, b, a.q, b.q, side, block);

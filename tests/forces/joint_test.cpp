@@ -220,10 +220,10 @@ template <class F> struct LoadedJoint {
     forEachPart<F>([&]<int I, class P>() {
       auto& rows = partOf<I>(joint.parts);
       if constexpr (P::kAxis) {
-        rows.limit.active = isTurn<F, P>();
+        rows.limit.active = isAngular<F, P>();
         rows.limit.lambda = random.uniform(-5, 5);
       } else {
-        if (!isTurn<F, P>()) partOf<I>(spec.parts).mode = GroupMode::Off;
+        if (!isAngular<F, P>()) partOf<I>(spec.parts).mode = GroupMode::Off;
         for (Real& lambda : rows.lambda) lambda = random.uniform(-5, 5);
       }
     });
@@ -249,12 +249,12 @@ TYPED_TEST(TurningJoint, HasItsErrorsToFirstOrderInWhatTurnsDuringAnIteration) {
     JointAngularRows<F> turns{};
     linearizeAngularRows(joint.spec, joint.joint, x.a, x.b, x.a.q, x.b.q, turns);
     forEachPart<F>([&]<int I, class P>() {
-      if constexpr (isTurn<F, P>()) {
+      if constexpr (isAngular<F, P>()) {
         constexpr Real h = 1e-4;
         const JointCase<F> y = moved(moved(x, 0, h * unitVec6(3 + n % 3)), 1, h * unitVec6(3 + (n + 1) % 3));
         Real then[P::kRows];
         partErrors<P>(joint.spec, joint.joint, partOf<I>(joint.joint.parts), y.a, y.b, then);
-        const AngularRows& rows = turns.law[firstTurnLaw<F, I>()];
+        const AngularRows& rows = turns.law[firstAngularLaw<F, I>()];
         for (int i = 0; i < P::kRows; ++i)
           EXPECT_NEAR(rows.row[i].error + dot(rows.row[i].turn, turnedSince(turns.from, y.a.q, y.b.q)),
                       then[i], 100 * h * h)
@@ -289,12 +289,12 @@ TEST(GearJoint, ABodyOfSeveralSidesFeelsTheSumOfThem) {
       for (int side = 1; side < 4; ++side)
         for (int k = 0; k < side; ++k)
           if (body[k] == body[side]) poseOf(x, side) = poseOf(x, k);
-      x.data.frameA = frameNear(random, x.a.carrier.q * x.data.baseA, x.a.q);
-      x.data.frameB = frameNear(random, x.b.carrier.q * x.data.baseB, x.b.q);
+      x.data.frameA = frameNear(random, x.a.frameBody.q * x.data.baseA, x.a.q);
+      x.data.frameB = frameNear(random, x.b.frameBody.q * x.data.baseB, x.b.q);
       x.memory = {};
       x.memory.remember(x.data, x.a, x.b, {});
       JointSpec<GearJoint> spec = specOf<GearJoint>(x.data);
-      spec.a = body[0], spec.b = body[1], spec.carrierA = body[2], spec.carrierB = body[3];
+      spec.a = body[0], spec.b = body[1], spec.frameBodyA = body[2], spec.frameBodyB = body[3];
       Joint<GearJoint> joint{};
       joint.memory = x.memory;
       for (int side = 0; side < 4; ++side) {

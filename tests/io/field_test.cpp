@@ -30,7 +30,7 @@ TEST(Fields, OfJointsAreListedOnceEachInTheOrderOfTheirMembers) {
 }
 
 TEST(Fields, EnumeratorsOfJointsAndShapesHaveTheirKeywords) {
-  EXPECT_EQ(jointType("grab"), JointType::Grab);
+  EXPECT_EQ(jointType("drag"), JointType::Drag);
   EXPECT_EQ(jointType("angular_spring"), JointType::AngularSpring);
   EXPECT_STREQ(keyword(static_cast<JointType>(99)), "");
   EXPECT_THROW(jointType("screw"), Error);

@@ -194,13 +194,13 @@ TEST(SceneFile, DeformableObjectsAreReadFromMeshFiles) {
   std::vector<Fault> faults;
   const SceneFile scene = parseScene(
       R"({"bodies": [], "deformables": [
-        {"type": "soft", "mesh": {"file": ")" +
+        {"type": "tet_solid", "mesh": {"file": ")" +
           name(ring) + R"(", "cell": 0.2, "position": [0, 0, 5], "scale": 2}, "density": 500},
         {"type": "cloth", "mesh": {"file": ")" +
           name(ring) + R"("}},
-        {"type": "rod", "mesh": {"file": ")" +
+        {"type": "cable", "mesh": {"file": ")" +
           name(rope) + R"(", "segment": 0.1}},
-        {"type": "soft", "mesh": {"file": ")" +
+        {"type": "tet_solid", "mesh": {"file": ")" +
           name(solid) + R"("}}]})",
       faults, std::filesystem::temp_directory_path().string());
   for (const Fault& fault : faults) ADD_FAILURE() << fault.text();
@@ -210,7 +210,7 @@ TEST(SceneFile, DeformableObjectsAreReadFromMeshFiles) {
   EXPECT_NEAR(lowest, 4.2, .02);
   EXPECT_EQ(common(scene.scene.deformables[1]).vertices.size(), 24u * 12u);
   EXPECT_EQ(common(scene.scene.deformables[2]).vertices.size(), 21u);
-  EXPECT_EQ(std::get<SoftDef>(scene.scene.deformables[3]).tetrahedra.size(), 1u);
+  EXPECT_EQ(std::get<TetSolidDef>(scene.scene.deformables[3]).tetrahedra.size(), 1u);
 
   const auto faultIn = [&](const std::string& object) {
     std::vector<Fault> found;
@@ -218,17 +218,18 @@ TEST(SceneFile, DeformableObjectsAreReadFromMeshFiles) {
                std::filesystem::temp_directory_path().string());
     return found.empty() ? std::string() : found[0].text();
   };
-  EXPECT_NE(faultIn(R"({"type": "soft", "mesh": {"file": ")" + name(ring) + R"("}})")
+  EXPECT_NE(faultIn(R"({"type": "tet_solid", "mesh": {"file": ")" + name(ring) + R"("}})")
                 .find("deformables[0].mesh: expected \"cell\""),
             std::string::npos);
-  EXPECT_NE(faultIn(R"({"type": "soft", "mesh": {"file": "none.obj", "cell": 1}})")
+  EXPECT_NE(faultIn(R"({"type": "tet_solid", "mesh": {"file": "none.obj", "cell": 1}})")
                 .find("deformables[0].mesh.file"),
             std::string::npos);
-  EXPECT_NE(faultIn(R"({"type": "soft", "mesh": {"file": ")" + name(ring) + R"(", "cell": 9}})")
+  EXPECT_NE(faultIn(R"({"type": "tet_solid", "mesh": {"file": ")" + name(ring) + R"(", "cell": 9}})")
                 .find("cells that fit"),
             std::string::npos);
-  EXPECT_NE(faultIn(R"({"type": "rod", "mesh": {"file": ")" + name(ring) + R"("}})").find("expected a line"),
-            std::string::npos);
+  EXPECT_NE(
+      faultIn(R"({"type": "cable", "mesh": {"file": ")" + name(ring) + R"("}})").find("expected a line"),
+      std::string::npos);
   EXPECT_NE(
       faultIn(R"({"type": "cloth", "mesh": {"file": "x.obj", "cell": 1}})").find("deformables[0].mesh.cell"),
       std::string::npos);

@@ -58,10 +58,10 @@ TEST(WatchedBodies, ComeAndGo) {
   std::vector<PictureBody> bodies, early;
   std::int64_t epoch = -1, earlyEpoch = -1;
   watched.update(world, ColorBy::Body, early, earlyEpoch);
-  world.remove(world.bodies()[3]);
+  world.removeBody(world.bodies()[3]);
   BodyDef ball;
   ball.shape = Shape::sphere(.3);
-  world.add(ball);
+  world.addBody(ball);
   world.step();
   watched.update(world, ColorBy::Body, bodies, epoch);
   expectSame(bodies, pictureBodies(world));
@@ -94,7 +94,7 @@ TEST(WatchedBodies, LoseTheTubeOfARopeThatIsRemoved) {
   std::int64_t epoch = -1;
   watched.update(world, ColorBy::Body, bodies, epoch);
   ASSERT_EQ(bodies.size(), world.bodies().size() + 1);
-  world.remove(world.joints()[0]);
+  world.removeJoint(world.joints()[0]);
   for (int i = 0; i < 3; ++i) {
     world.step();
     watched.update(world, ColorBy::Body, bodies, epoch);
@@ -105,13 +105,13 @@ TEST(WatchedBodies, LoseTheTubeOfARopeThatIsRemoved) {
 TEST(WatchedBodies, LoseASheetThatIsRemovedAndFindARopeThatIsAdded) {
   World world(fallingBesideARopeAndASheet());
   const JointDef rope = world.definition(world.joints()[0]);
-  world.remove(world.joints()[0]);
+  world.removeJoint(world.joints()[0]);
   WatchedBodies watched;
   std::vector<PictureBody> bodies;
   std::int64_t epoch = -1;
   watched.update(world, ColorBy::Body, bodies, epoch);
   ASSERT_EQ(bodies.size(), world.bodies().size() + 1);
-  world.remove(world.deformables()[0]);
+  world.removeDeformable(world.deformables()[0]);
   for (int i = 0; i < 4; ++i) {
     if (i == 2) world.addJoint(rope, world.bodies()[0], {});
     world.step();

@@ -13,13 +13,13 @@ namespace {
 
 TEST(Picture, DeformableObjectsKeepKeysOfTheirOwn) {
   Scene scene;
-  RodDef rod = straightRod({-5, 0, -2}, {-5, 0, 2}, 8);
+  CableDef rod = straightCable({-5, 0, -2}, {-5, 0, 2}, 8);
   rod.radius = .3;
   ParticlesDef particles;
   particles.vertices = {{4, 0, 0}};
   particles.radius = .5;
   scene.deformables = {clothSheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 4, 4), rod, particles,
-                       softBox({6, 0, 0}, {1, 1, 1}, {1, 1, 1})};
+                       tetBox({6, 0, 0}, {1, 1, 1}, {1, 1, 1})};
   scene.bodies.emplace_back();
   std::set<std::uint32_t> keys;
   const std::vector<PictureBody> bodies = pictureBodies(World(scene));

@@ -122,7 +122,7 @@ TEST(Values, StrainIsTheChangeOfLength) {
   ClothDef cloth = clothSheet({0, 0, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2);
   cloth.start = cloth.vertices;
   for (Vec3& p : cloth.start) p.x *= 1.1;
-  RodDef rod = straightRod({5, 0, 0}, {6, 0, 0}, 4);
+  CableDef rod = straightCable({5, 0, 0}, {6, 0, 0}, 4);
   scene.deformables = {cloth, rod};
   const World world(scene, {"cpu", 1, {}, false, false});
   const auto strain = vertexValues(world, ColorBy::Strain);

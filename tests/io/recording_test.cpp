@@ -164,9 +164,9 @@ TEST(Recording, VerticesOfDeformableObjectsComeBack) {
 TEST(Recording, DeformableObjectsAreDrawnAsTheyWere) {
   const TemporaryFile file;
   Scene scene;
-  scene.deformables = {softBox({0, 0, 1}, {.5, .5, .5}, {2, 2, 2}),
+  scene.deformables = {tetBox({0, 0, 1}, {.5, .5, .5}, {2, 2, 2}),
                        clothSheet({-1, -1, 2}, {2, 0, 0}, {0, 2, 0}, 4, 4),
-                       straightRod({0, 0, 3}, {1, 0, 3}, 4)};
+                       straightCable({0, 0, 3}, {1, 0, 3}, 4)};
   World world(scene);
   const std::vector<RecordedSoft> softs = recordedSofts(world);
   std::vector<PictureBody> live;

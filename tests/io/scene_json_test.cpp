@@ -59,15 +59,15 @@ const std::vector<BadFile>& badFiles() {
       {R"({"bodies": [3]})", "bodies[0]", "a body, got 3"},
       {R"({"bodies": [{}]})", "bodies[0]", "\"shape\""},
       {withSoft(R"("radius": 1)"), "deformables[0]", "\"type\""},
-      {withSoft(R"("type": "rods")"), "deformables[0].type", "did you mean \"rod\"?"},
-      {withSoft(R"("type": "rod", "radios": 1)"), "deformables[0].radios", "did you mean \"radius\"?"},
-      {withSoft(R"("type": "rod", "tetrahedra": [])"), "deformables[0].tetrahedra", "unknown key"},
-      {withSoft(R"("type": "rod", "fixed": [0.5])"), "deformables[0].fixed[0]", "the index of a vertex"},
-      {withSoft(R"("type": "rod", "radius": -1)"), "", "deformables[0].radius"},
+      {withSoft(R"("type": "cables")"), "deformables[0].type", "did you mean \"cable\"?"},
+      {withSoft(R"("type": "cable", "radios": 1)"), "deformables[0].radios", "did you mean \"radius\"?"},
+      {withSoft(R"("type": "cable", "tetrahedra": [])"), "deformables[0].tetrahedra", "unknown key"},
+      {withSoft(R"("type": "cable", "fixed": [0.5])"), "deformables[0].fixed[0]", "the index of a vertex"},
+      {withSoft(R"("type": "cable", "radius": -1)"), "", "deformables[0].radius"},
       {withSoft(R"("type": "net", "edges": [[0, 1]])"), "deformables[0].edges[0]", "stiffness"},
-      {withSoft(R"("type": "rod")", R"(, "attachments": [{"object": "lime", "vertices": [0]}])"),
+      {withSoft(R"("type": "cable")", R"(, "attachments": [{"object": "lime", "vertices": [0]}])"),
        "attachments[0].object", "did you mean \"line\"?"},
-      {withSoft(R"("type": "rod")", R"(, "attachments": [{"object": 1, "vertices": [0]}])"),
+      {withSoft(R"("type": "cable")", R"(, "attachments": [{"object": 1, "vertices": [0]}])"),
        "attachments[0].object", "one of 1"},
       {withShape("7"), "bodies[0].shape", "a shape"},
       {withShape("{}"), "bodies[0].shape", "\"type\""},
@@ -236,16 +236,16 @@ TEST(SceneJson, AGearIsOfTwoHingesAndARackOfAHingeAndASlider) {
   const JointDef& gear = gears.scene.joints[3];
   EXPECT_EQ(gear.name, "mesh");
   EXPECT_EQ(gear.bodyA, 0);
-  EXPECT_EQ(gear.carrierA, 1);
+  EXPECT_EQ(gear.frameBodyA, 1);
   EXPECT_EQ(gear.bodyB, 1);
-  EXPECT_EQ(gear.carrierB, kWorld);
+  EXPECT_EQ(gear.frameBodyB, kWorld);
   EXPECT_EQ(gear.ratio, 3);
   EXPECT_EQ(gear.breakTorque, 5);
   const SceneFile racks = parseScene(
       withMachine(R"({"type": "rack", "joint_a": "shaft", "joint_b": "guide", "ratio": 0.2})"), faults);
   ASSERT_TRUE(faults.empty()) << faults[0].message;
   EXPECT_EQ(racks.scene.joints[3].bodyB, 2);
-  EXPECT_EQ(racks.scene.joints[3].carrierB, 1);
+  EXPECT_EQ(racks.scene.joints[3].frameBodyB, 1);
   EXPECT_LT(length(rotate(racks.scene.joints[3].frameB, Vec3{1, 0, 0}) - Vec3{0, 1, 0}), 1e-12);
   EXPECT_NO_THROW(validate(racks.scene));
 

@@ -53,8 +53,8 @@ void expectSame(const JointDef& a, const JointDef& b) {
   EXPECT_EQ(a.type, b.type);
   EXPECT_EQ(a.bodyA, b.bodyA);
   EXPECT_EQ(a.bodyB, b.bodyB);
-  EXPECT_EQ(a.carrierA, b.carrierA);
-  EXPECT_EQ(a.carrierB, b.carrierB);
+  EXPECT_EQ(a.frameBodyA, b.frameBodyA);
+  EXPECT_EQ(a.frameBodyB, b.frameBodyB);
   expectSame(a.anchorA, b.anchorA);
   expectSame(a.anchorB, b.anchorB);
   if (a.type == JointType::Fixed) expectSame(a.orientationAtoB, b.orientationAtoB);
@@ -243,7 +243,7 @@ TEST(SceneRoundTrip, EverythingIsExact) {
   JointDef gear;
   gear.type = JointType::Gear;
   gear.bodyA = 1, gear.bodyB = 2;
-  gear.carrierB = 0;
+  gear.frameBodyB = 0;
   gear.frameA = normalize(Quat{.4, -.2, .3, .1});
   gear.ratio = -2.5;
   scene.joints = {ball, fixed, six, pulley, shoulder, gear};
@@ -274,7 +274,7 @@ TEST(SceneRoundTrip, DeformableObjectsAreExact) {
   BodyDef body;
   body.name = "hook";
   file.scene.bodies = {body};
-  SoftDef soft = softBox({.1, -0., 1. / 3}, {1, 1, 1}, {2, 1, 1});
+  TetSolidDef soft = tetBox({.1, -0., 1. / 3}, {1, 1, 1}, {2, 1, 1});
   soft.name = "jelly", soft.viscosity = 1. / 7, soft.poissonRatio = .3, soft.fixed = {0, 2},
   soft.contactRadius = .01;
   soft.yieldStress = 1e4 / 3, soft.hardening = 100. / 7;
@@ -283,7 +283,7 @@ TEST(SceneRoundTrip, DeformableObjectsAreExact) {
   ClothDef cloth = clothSheet({0, 0, 2}, {1, 0, 0}, {0, 1, 0}, 2, 2);
   cloth.start = cloth.vertices, cloth.start[3].z = 2.1;
   cloth.bendingStiffness = 1e-3, cloth.restFolded = true, cloth.bendingDamping = .1, cloth.tearStretch = 1.5;
-  RodDef rod = straightRod({0, 0, 3}, {1, 0, 3}, 4);
+  CableDef rod = straightCable({0, 0, 3}, {1, 0, 3}, 4);
   rod.breakForce = 12, rod.velocity = {0, -1, .1}, rod.collide = false;
   NetDef net;
   net.vertices = {{0, 0, 4}, {1, 0, 4}, {1, 1, 4}};

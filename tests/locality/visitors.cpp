@@ -163,11 +163,11 @@ std::vector<Visitor> visitors(int pebbles) {
        }},
       {"rope",
        [](Scene& s, const Vec3& at) {
-         addDeformable(s, at, straightRod({-.5, 0, .3}, {.5, 0, .3}, 10));
+         addDeformable(s, at, straightCable({-.5, 0, .3}, {.5, 0, .3}, 10));
        }},
       {"soft ball",
        [](Scene& s, const Vec3& at) {
-         addDeformable(s, at, softBall({0, 0, .5}, .3, 3));
+         addDeformable(s, at, tetBall({0, 0, .5}, .3, 3));
        }},
       {"pebbles at rest", [=](Scene& s, const Vec3& at) { addPebbles(s, at, pebbles, 0); }},
       {"pebbles that fall", [=](Scene& s, const Vec3& at) { addPebbles(s, at, pebbles, .5); }},
@@ -206,6 +206,24 @@ Vec3 farFrom(const Scene& scene) {
     for (const double y : {0., .1, -.1, .5, -.5})
       if (const Vec3 at = kFar * normalize(f.up + x * f.x + y * f.y); isClear(at)) return at;
   return {};
+}
+
+Scene withVisitorsFirst(const Scene& scene, const std::vector<Visitor>& visitors) {
+  const Vec3 far = farFrom(scene);
+  if (far == Vec3{}) return scene;
+  Scene out;
+  out.gravity = scene.gravity;
+  for (std::size_t k = 0; k < visitors.size(); ++k)
+    visitors[k].addTo(out, far * (1 + .1 * static_cast<double>(k)));
+  const auto shift = static_cast<int>(out.bodies.size());
+  const auto moved = [shift](int body) { return body == kWorld ? kWorld : body + shift; };
+  for (const BodyDef& body : scene.bodies) out.bodies.push_back(body);
+  for (JointDef joint : scene.joints) {
+    for (int* body : {&joint.bodyA, &joint.bodyB, &joint.frameBodyA, &joint.frameBodyB}) *body = moved(*body);
+    out.joints.push_back(joint);
+  }
+  for (const auto& [a, b] : scene.exclusions) out.exclusions.push_back({moved(a), moved(b)});
+  return out;
 }
 
 }  // namespace rubble::test

@@ -20,4 +20,7 @@ std::vector<Visitor> visitors(int pebbles);
 /// such point.
 Vec3 farFrom(const Scene& scene);
 
+/// The scene with visitors whose bodies come before its own. Without room for them, the scene.
+Scene withVisitorsFirst(const Scene& scene, const std::vector<Visitor>& visitors);
+
 }  // namespace rubble::test

@@ -46,7 +46,7 @@ TEST_P(Parity, OfCpuAndReferenceOverTenSteps) {
   }
   const std::vector<BodyId> ids = cpu.world().bodies();
   ASSERT_EQ(ids, reference.world().bodies());
-  const std::vector<SoftId> softIds = cpu.world().deformables();
+  const std::vector<DeformableId> softIds = cpu.world().deformables();
   ASSERT_EQ(softIds, reference.world().deformables());
   ASSERT_FALSE(ids.empty() && softIds.empty());
   double worst = 0, worstAngle = 0;
@@ -55,7 +55,7 @@ TEST_P(Parity, OfCpuAndReferenceOverTenSteps) {
     worst = std::max(worst, length(a.position - b.position));
     worstAngle = std::max(worstAngle, test::angleBetween(a.orientation, b.orientation));
   }
-  for (const SoftId id : softIds) {
+  for (const DeformableId id : softIds) {
     const std::vector<Vec3> a = cpu.world().positions(id), b = reference.world().positions(id);
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, length(a[i] - b[i]));

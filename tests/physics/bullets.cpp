@@ -114,7 +114,7 @@ ThrowOutcome take(const Throw& shot, const std::string& backend) {
   World world(shot.scene, options);
   const double start = world.quality().kineticEnergy;
   const BodyId plate = world.bodyAt(0), bullet = world.bodyAt(1);
-  const Vec3 center = world.massOf(bullet).centre;
+  const Vec3 center = world.massOf(bullet).center;
   ThrowOutcome out;
   for (int i = 0; i < 24; ++i) {
     world.step();

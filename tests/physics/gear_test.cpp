@@ -107,7 +107,7 @@ TEST(Gear, BetweenPlanetAndArmHasTheRatioOfWillis) {
   scene.joints.push_back(jointAt(scene, JointType::Hinge, 2, 1, {.42, 0, 0}, kUp));
   for (const bool ring : {false, true}) {
     JointDef gear = jointAt(scene, JointType::Gear, ring ? 2 : 0, ring ? kWorld : 2, {}, kUp);
-    gear.carrierA = gear.carrierB = 1;
+    gear.frameBodyA = gear.frameBodyB = 1;
     gear.ratio = ring ? -60. / 18 : 18. / 24;
     scene.joints.push_back(gear);
   }
@@ -121,9 +121,9 @@ TEST(Gear, FollowsItsFrameBody) {
   Scene scene = floatingGearbox({}, {});
   World world(scene, options(4));
   const JointId gear = world.joints()[2];
-  EXPECT_EQ(world.carriersOf(gear)[0], world.bodyAt(0));
-  EXPECT_EQ(world.carriersOf(gear)[1], world.bodyAt(0));
-  world.remove(world.bodyAt(0));
+  EXPECT_EQ(world.frameBodiesOf(gear)[0], world.bodyAt(0));
+  EXPECT_EQ(world.frameBodiesOf(gear)[1], world.bodyAt(0));
+  world.removeBody(world.bodyAt(0));
   EXPECT_FALSE(world.alive(gear));
   world.step();
 }
@@ -170,13 +170,13 @@ TEST(Rack, InAFrameThatFliesKeepsMomentumAndMesh) {
 
 TEST(Gear, OfAMovingFrameBodyIsCheckedFieldByField) {
   Scene scene = floatingGearbox({}, {});
-  scene.joints[2].carrierA = 1;
+  scene.joints[2].frameBodyA = 1;
   EXPECT_THROW(validate(scene), Error);
-  scene.joints[2].carrierA = 9;
+  scene.joints[2].frameBodyA = 9;
   EXPECT_THROW(validate(scene), Error);
-  scene.joints[2].carrierA = 0;
+  scene.joints[2].frameBodyA = 0;
   EXPECT_NO_THROW(validate(scene));
-  scene.joints[0].carrierB = 2;
+  scene.joints[0].frameBodyB = 2;
   EXPECT_THROW(validate(scene), Error);
   EXPECT_THROW(gearBetween(scene, 0, 2, 1), Error);
   EXPECT_THROW(rackBetween(scene, 0, 1, 1), Error);

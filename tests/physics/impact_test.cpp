@@ -118,7 +118,7 @@ TEST(Stack, FallsFreelyWhenItsSupportIsRemoved) {
   test::run(world, 120);
   std::vector<double> before;
   for (int i = 1; i <= 10; ++i) before.push_back(world.state(world.bodyAt(i)).position.z);
-  world.remove(world.bodyAt(0));
+  world.removeBody(world.bodyAt(0));
   test::run(world, 30);
   const double fall = 10 * kDt * kDt * 30 * 31 / 2;
   for (int i = 1; i <= 10; ++i) {
@@ -149,7 +149,7 @@ TEST(Chain, CutFallsFreely) {
   test::run(world, 240);
   EXPECT_LT(world.quality().jointGapMax, .01);
   const double before = world.state(world.bodyAt(9)).position.z;
-  world.remove(world.joints()[0]);
+  world.removeJoint(world.joints()[0]);
   test::run(world, 30);
   const double fall = 10 * kDt * kDt * 30 * 31 / 2;
   EXPECT_NEAR(before - world.state(world.bodyAt(9)).position.z, fall, .1 * fall);

@@ -14,7 +14,7 @@ namespace {
 
 Vec3 centerOf(const World& world, BodyId id) {
   const BodyState s = world.state(id);
-  return s.position + rotate(s.orientation, world.massOf(id).centre);
+  return s.position + rotate(s.orientation, world.massOf(id).center);
 }
 
 /// Linear and angular momentum about the origin of a body at the end of a step, and its energy.

@@ -276,6 +276,7 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
   BinOutcome out;
   const int steps = static_cast<int>(std::lround(kSeconds / bin.dt));
   const auto count = static_cast<int>(bin.size.size());
+  const int thrown = static_cast<int>(bin.scene.bodies.size()) - count;
   const auto energy = [&] {
     const Quality q = world.quality();
     return q.kineticEnergy + q.potentialEnergy;
@@ -284,9 +285,9 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
   const double least = *std::min_element(bin.size.begin(), bin.size.end());
   // the origin of the frame of a hull may be outside of it
   std::vector<Vec3> centerOfMass;
-  for (int k = 0; k < count; ++k) centerOfMass.push_back(world.massOf(world.bodyAt(bin.walls + k)).centre);
+  for (int k = 0; k < count; ++k) centerOfMass.push_back(world.massOf(world.bodyAt(thrown + k)).center);
   std::vector<bool> gone(std::size_t(count), false);
-  const auto indexOf = [&](BodyId id) { return static_cast<int>(id.index) - bin.walls; };
+  const auto indexOf = [&](BodyId id) { return static_cast<int>(id.index) - thrown; };
   for (int i = 0; i < steps; ++i) {
     const StepReport report = world.step();
     out.quarantined += report.quarantined;
@@ -295,7 +296,7 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
       if (gain > out.energyGain) out.energyGain = gain;
       for (int k = 0; k < count; ++k) {
         if (gone[std::size_t(k)]) continue;
-        const BodyState body = world.state(world.bodyAt(bin.walls + k));
+        const BodyState body = world.state(world.bodyAt(thrown + k));
         const Vec3 d = abs(body.position + rotate(body.orientation, centerOfMass[std::size_t(k)]) -
                            bin.center) -
                        bin.inner;
@@ -318,7 +319,7 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
       ++out.outside;
       continue;
     }
-    const BodyState s = world.state(world.bodyAt(bin.walls + k));
+    const BodyState s = world.state(world.bodyAt(thrown + k));
     const double size = bin.size[std::size_t(k)];
     const double moving = (length(s.velocity) + .5 * size * length(s.angularVelocity)) /
                           (kStill * std::sqrt(kGravity * size));

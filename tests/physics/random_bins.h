@@ -12,7 +12,7 @@ namespace rubble::test {
 struct Bin {
   std::string kind;  ///< of its walls
   Scene scene;
-  int walls = 0;  ///< bodies [0, walls) are the bin
+  int walls = 0;  ///< bodies [0, walls) are the bin; what is thrown in comes last
   Vec3 inner;     ///< half extents of the room inside, about `center` [m]
   Vec3 center;
   std::vector<double> size;       ///< of each body beyond the walls: diameter of its bounding sphere [m]

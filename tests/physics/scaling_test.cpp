@@ -117,7 +117,7 @@ TEST_P(TimeStep, KeepsAFreeFallWhenSupportGoes) {
   World world(scene, o);
   test::run(world, static_cast<int>(2 / dt));
   const double before = world.state(world.bodyAt(5)).position.z;
-  world.remove(world.bodyAt(0));
+  world.removeBody(world.bodyAt(0));
   test::run(world, static_cast<int>(std::lround(.5 / dt)));
   EXPECT_GE(before - world.state(world.bodyAt(5)).position.z, .8 * 10 * .25 / 2);
 }

@@ -28,7 +28,7 @@ void scaleDeformable(Deformable& deformable, const Scale& k) {
   for (Vec3& v : d.vertices) v *= k.length;
   d.velocity *= k.speed();
   const double volume = k.length * k.length * k.length, pressure = k.mass * k.gravity / (k.length * k.length);
-  if (auto* soft = std::get_if<SoftDef>(&deformable)) {
+  if (auto* soft = std::get_if<TetSolidDef>(&deformable)) {
     soft->density *= k.mass / volume, soft->youngsModulus *= pressure;
     soft->contactRadius *= k.length;
   }

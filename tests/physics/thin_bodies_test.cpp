@@ -82,7 +82,7 @@ TEST(ThinBodies, LieOnWhatIsAThousandTimesAsLarge) {
     WorldOptions o = test::options(4);
     o.params.dt = random.below(2) ? 1. / 60 : 1. / 30;
     World world(smallOverHuge(random, size), o);
-    const Vec3 center = world.massOf(world.bodyAt(1)).centre;
+    const Vec3 center = world.massOf(world.bodyAt(1)).center;
     double lowest = size;
     for (int i = 0; i < 150; ++i) {
       world.step();

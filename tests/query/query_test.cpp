@@ -226,7 +226,7 @@ TEST(QueryWorld, SeesWhereTheLastStepHasPutBodies) {
   RayQuery through = down;
   through.filter.ignore = world.bodyAt(2);
   EXPECT_EQ(world.castRays(std::vector{through})[0].body, world.bodyAt(1));
-  world.remove(world.bodyAt(2));
+  world.removeBody(world.bodyAt(2));
   EXPECT_EQ(world.castRays(std::vector{down})[0].body, world.bodyAt(1));
 }
 

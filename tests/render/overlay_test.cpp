@@ -114,7 +114,7 @@ TEST(Stage, FollowsAWorldAsItIsDrawnBodyByBody) {
   BodyDef ball;
   ball.shape = Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   ball.position = {-1.5, 0, .3};
-  world.add(ball);
+  world.addBody(ball);
   fast.follow(world);
   slow.setBodies(io::pictureBodies(world));
   EXPECT_EQ(likeness(slow.picture(camera, {}), fast.picture(camera, {})).largest, 0);

@@ -214,13 +214,13 @@ TEST_F(Rendering, ADeformableObjectOfAWorldIsDrawnInEveryFrame) {
   const Camera camera = frontView();
   Stage stage(io::pictureBodies(world), {0, 0, -9.81}, camera, kWidth, kHeight);
   const io::Image first = stage.picture(camera, {});
-  const SoftId sheet = world.deformableAt(0);
+  const DeformableId sheet = world.deformableAt(0);
   std::vector<Vec3> moved = world.positions(sheet);
   for (Vec3& x : moved) x.x -= 5;
   world.setVertices(sheet, moved, world.velocities(sheet));
   stage.setBodies(io::pictureBodies(world));
   const io::Image second = stage.picture(camera, {});
-  world.remove(sheet);
+  world.removeDeformable(sheet);
   stage.setBodies(io::pictureBodies(world));
   const io::Image none = stage.picture(camera, {});
   const auto seen = [&](const io::Image& image, int x) {

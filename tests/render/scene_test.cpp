@@ -36,12 +36,12 @@ Scene softScene() {
   Scene scene;
   scene.gravity = {};
   ClothDef sheet = clothSheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 4, 4);
-  RodDef rod = straightRod({-5, 0, -2}, {-5, 0, 2}, 8);
+  CableDef rod = straightCable({-5, 0, -2}, {-5, 0, 2}, 8);
   rod.radius = .3;
   ParticlesDef particles;
   particles.vertices = {{4, 0, 0}};
   particles.radius = .5;
-  scene.deformables = {sheet, rod, particles, softBox({6, -.5, -.5}, {1, 1, 1}, {1, 1, 1})};
+  scene.deformables = {sheet, rod, particles, tetBox({6, -.5, -.5}, {1, 1, 1}, {1, 1, 1})};
   return scene;
 }
 

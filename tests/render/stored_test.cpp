@@ -89,7 +89,7 @@ Picture deformables() {
   Scene scene;
   ClothDef cloth = clothSheet({-2.5, -.8, 1.6}, {1.8, 0, 0}, {0, 1.8, 0}, 16, 16);
   for (Vec3& p : cloth.vertices) p.z -= .25 * (p.x + 1.6) * (p.x + 1.6) + .1 * std::sin(5 * p.y);
-  RodDef rod = straightRod({-2.5, -1.2, .3}, {.5, -1.4, .6}, 12);
+  CableDef rod = straightCable({-2.5, -1.2, .3}, {.5, -1.4, .6}, 12);
   rod.radius = .08;
   for (std::size_t i = 0; i < rod.vertices.size(); ++i)
     rod.vertices[i].z += .25 * std::sin(.6 * static_cast<double>(i));
@@ -103,7 +103,7 @@ Picture deformables() {
   particles.radius = .12;
   for (int i = 0; i < 20; ++i)
     particles.vertices.push_back({1.1 + .25 * (i % 4), -1.2 + .25 * (i / 4 % 3), .12 + .24 * (i / 12)});
-  scene.deformables = {cloth, softBox({-.3, -.4, .05}, {1, 1, 1}, {3, 3, 3}), rod, net, particles};
+  scene.deformables = {cloth, tetBox({-.3, -.4, .05}, {1, 1, 1}, {3, 3, 3}), rod, net, particles};
   std::vector<io::PictureBody> bodies = io::pictureBodies(scene);
   bodies.insert(bodies.begin(), bodyOf(Shape::plane()));
   return {"deformables", bodies, scene.gravity, {}};

@@ -108,7 +108,7 @@ inline double deepestOverlap(const Scene& scene) {
     if (b.shape.type == ShapeType::Box) return length(b.shape.halfExtents);
     if (b.shape.type <= ShapeType::Plane) return b.shape.radius;
     const CookedShape cooked = cook(b.shape);
-    return cooked.radius + length(cooked.unit.centre);
+    return cooked.radius + length(cooked.unit.center);
   };
   const auto at = [&](int i) -> const BodyDef& { return scene.bodies[std::size_t(i)]; };
 

@@ -136,7 +136,7 @@ TEST_P(EveryScene, JointAnchorsCoincideAtTheStart) {
   };
   const auto coincide = [](JointType type) {
     return type == JointType::Ball || type == JointType::Fixed || type == JointType::Hinge ||
-           type == JointType::Universal || type == JointType::SwingTwist || type == JointType::Grab;
+           type == JointType::Universal || type == JointType::SwingTwist || type == JointType::Drag;
   };
   for (const JointDef& joint : scene.joints) {
     if (coincide(joint.type)) {

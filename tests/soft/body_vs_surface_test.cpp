@@ -215,7 +215,7 @@ TEST(BodyVsSurface, FrictionHoldsABoxOnATiltedTriangleUpToItsAngle) {
 
 TEST(BodyVsSurface, ASharpCornerStandsOnASolid) {
   Scene scene = emptyScene({0, 0, -10});
-  SoftDef base = softBox({-.5, -.5, -.5}, {1, 1, .5}, {2, 2, 2});
+  TetSolidDef base = tetBox({-.5, -.5, -.5}, {1, 1, .5}, {2, 2, 2});
   base.youngsModulus = 1e6;
   for (int v = 0; v < static_cast<int>(base.vertices.size()); ++v)
     if (base.vertices[static_cast<std::size_t>(v)].z < -.4) base.fixed.push_back(v);
@@ -275,14 +275,14 @@ TEST(BodyVsSurface, BodiesMayComeAndGoBesideASurface) {
   const BodyId first = world.bodies()[0];
   std::vector<BodyId> more;
   for (int i = 0; i < 20; ++i) {
-    more.push_back(world.add(bodyOf(Shape::sphere(.03), {.8 - .08 * i, -.5, .05})));
+    more.push_back(world.addBody(bodyOf(Shape::sphere(.03), {.8 - .08 * i, -.5, .05})));
     world.step();
   }
   run(world, 60);
   EXPECT_NEAR(world.state(first).position.z, .051, 5e-4);
   for (const BodyId id : more) EXPECT_NEAR(world.state(id).position.z, .031, 2e-3);
-  world.remove(first);
-  const BodyId again = world.add(bodyOf(Shape::box({.05, .05, .05}), {-.4, .3, .06}));
+  world.removeBody(first);
+  const BodyId again = world.addBody(bodyOf(Shape::box({.05, .05, .05}), {-.4, .3, .06}));
   run(world, 60);
   EXPECT_NEAR(world.state(again).position.z, .051, 5e-4);
   // and a snapshot has them all

@@ -83,7 +83,7 @@ TEST(Surfaces, ASheetRestsOnAnotherByItsThicknessAndItsWeight) {
   scene.deformables = {table, sheet};
   World world(scene, options(10));
   run(world, 180);
-  const SoftId top = world.deformableAt(1);
+  const DeformableId top = world.deformableAt(1);
   double weight = 0, lift = 0;
   for (const double m : world.masses(top)) weight += 10 * m;
   for (const VertexContact& c : world.vertexContacts()) lift += std::fabs(c.force.z);
@@ -95,7 +95,7 @@ TEST(Surfaces, ASheetRestsOnAnotherByItsThicknessAndItsWeight) {
 Scene thrown(double speed) {
   Scene scene = emptyScene({0, 0, 0});
   for (const double side : {-1., 1.}) {
-    SoftDef ball = softBall({.22 * side, .05 * side, 0}, .2, 4);
+    TetSolidDef ball = tetBall({.22 * side, .05 * side, 0}, .2, 4);
     ball.youngsModulus = 2e4;
     ball.density = 300;
     ball.velocity = {-speed * side, 0, 0};
@@ -227,9 +227,9 @@ TEST(Surfaces, KeepTheirContactsWhenAnotherObjectComesAndGoes) {
     return sum;
   };
   const double before = lift();
-  world.remove(world.deformableAt(0));
+  world.removeDeformable(world.deformableAt(0));
   EXPECT_NEAR(lift(), before, 1e-9 * before);
-  world.add(Deformable{other});
+  world.addDeformable(Deformable{other});
   world.step();
   EXPECT_NEAR(lift(), before, .02 * before);
 }
@@ -242,7 +242,7 @@ TEST(Surfaces, ATornSheetLetsThrough) {
     for (const int v : {9 * i, 9 * i + 8}) sheet.fixed.push_back(v);
   Scene scene = sceneWith(sheet, {0, 0, 0});
   World world(scene, options(10));
-  const SoftId id = world.deformableAt(0);
+  const DeformableId id = world.deformableAt(0);
   int broken = 0;
   for (int i = 0; i < 60; ++i) {
     world.applyVertexForce(id, 40, {0, 0, -30});

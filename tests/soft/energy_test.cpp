@@ -10,7 +10,7 @@ namespace {
 using namespace test;
 
 struct Case {
-  SoftDef def;
+  TetSolidDef def;
   Vec3 gravity;
   double dt;
   int iterations;
@@ -25,9 +25,9 @@ Case randomCase(unsigned seed) {
   const double cell = random.logUniform(.01, .3);
   const int along = 2 + random.below(11), wide = 1 + random.below(3), high = 1 + random.below(4);
   Case c;
-  c.def = softBox({0, 0, 0}, {along * cell, wide * cell, high * cell * random.uniform(.5, 1.5)},
-                  {along, wide, high});
-  SoftDef& d = c.def;
+  c.def = tetBox({0, 0, 0}, {along * cell, wide * cell, high * cell * random.uniform(.5, 1.5)},
+                 {along, wide, high});
+  TetSolidDef& d = c.def;
   d.youngsModulus = random.logUniform(1e4, 1e8), d.poissonRatio = random.uniform(.1, .45),
   d.density = random.logUniform(100, 3000);
   c.dt = 1 / random.logUniform(30, 240), c.iterations = 1 + random.below(20);
@@ -47,7 +47,7 @@ Case randomCase(unsigned seed) {
 }
 
 /// psi V of a tetrahedron of stable neo-Hookean material, 0 at rest.
-double elasticEnergy(const SoftDef& d, const std::array<int, 4>& t, const std::vector<Vec3>& now) {
+double elasticEnergy(const TetSolidDef& d, const std::array<int, 4>& t, const std::vector<Vec3>& now) {
   const auto edge = [&](const std::vector<Vec3>& x, std::size_t k) {
     return x[static_cast<std::size_t>(t[k])] - x[static_cast<std::size_t>(t[0])];
   };
@@ -73,8 +73,8 @@ struct Energies {
   double sum() const { return kinetic + elastic + gravity; }
 };
 Energies energiesOf(const World& world) {
-  const SoftId id = world.deformableAt(0);
-  const SoftDef& d = std::get<SoftDef>(world.definition(id));
+  const DeformableId id = world.deformableAt(0);
+  const TetSolidDef& d = std::get<TetSolidDef>(world.definition(id));
   const std::vector<Vec3> x = world.positions(id), v = world.velocities(id);
   const std::vector<double> m = world.masses(id);
   Energies e;
@@ -113,7 +113,7 @@ TEST(Energy, NeverGrowsHoweverASolidIsHeldAndSolved) {
 TEST(Energy, SpinOfASquashedBallIsKept) {
   for (const auto& [iterations, tolerance] : {std::pair{4, .05}, {20, .005}})
     for (const double spin : {1., 4.}) {
-      SoftDef ball = softBall({0, 0, 0}, .2, 4);
+      TetSolidDef ball = tetBall({0, 0, 0}, .2, 4);
       ball.youngsModulus = 1e5;
       for (const Vec3& x : ball.vertices) ball.start.push_back({x.x, x.y, .8 * x.z});
       ball.angularVelocity = {0, 0, spin};
@@ -128,7 +128,7 @@ TEST(Energy, SpinOfASquashedBallIsKept) {
 TEST(Energy, OfACantileverOfManyCellsNeverGrows) {
   for (const int high : {4, 8})
     for (const int iterations : {2, 4, 6}) {
-      Case c{softBox({0, 0, 0}, {1, .1, .1}, {40, 2, high}), {0, 0, -10}, 1. / 60, iterations};
+      Case c{tetBox({0, 0, 0}, {1, .1, .1}, {40, 2, high}), {0, 0, -10}, 1. / 60, iterations};
       c.def.youngsModulus = 5e6, c.def.poissonRatio = .3;
       for (std::size_t i = 0; i < c.def.vertices.size(); ++i)
         if (c.def.vertices[i].x == 0) c.def.fixed.push_back(static_cast<int>(i));

@@ -15,7 +15,7 @@ using test::options;
 /// Momentum of everything along x.
 double momentumAlongX(const World& world) {
   double sum = 0;
-  for (const SoftId id : world.deformables()) sum += momentumOf(world, id).linear.x;
+  for (const DeformableId id : world.deformables()) sum += momentumOf(world, id).linear.x;
   for (const BodyId id : world.bodies()) sum += world.massOf(id).mass * world.state(id).velocity.x;
   return sum;
 }
@@ -46,8 +46,8 @@ BodyDef heavyBox(const Vec3& center, double speed) {
   box.velocity = {speed, 0, 0};
   return box;
 }
-SoftDef jelly(const Vec3& corner, double speed) {
-  SoftDef box = test::jellyBox(corner, .4, 4);
+TetSolidDef jelly(const Vec3& corner, double speed) {
+  TetSolidDef box = test::jellyBox(corner, .4, 4);
   box.velocity = {speed, 0, 0};
   return box;
 }
@@ -112,13 +112,13 @@ TEST(SoftImpact, OfAParticleOnAWallOfParticlesKeepsMomentum) {
 
 /// A solid that is alone, pressed and sheared, springs back to its shape and stays where it is.
 TEST(SoftMomentum, OfASolidThatIsAloneIsKept) {
-  SoftDef box = test::jellyBox({0, 0, 0}, .4, 4, 1e4);
+  TetSolidDef box = test::jellyBox({0, 0, 0}, .4, 4, 1e4);
   for (const Vec3& x : box.vertices)
     box.start.push_back({1.3 * x.x + .3 * x.y * x.y, .8 * x.y + .2 * x.z, x.z + .4 * x.x * x.x});
   Scene scene = emptyScene({0, 0, 0});
   scene.deformables = {box};
   World world(scene, options(4));
-  const SoftId id = world.deformableAt(0);
+  const DeformableId id = world.deformableAt(0);
   double fastest = 0, drift = 0;
   for (int step = 0; step < 60; ++step) {
     world.step();

@@ -12,16 +12,16 @@ using namespace test;
 constexpr double kYoung = 1e6, kYield = 1e3, kHardening = 1e5;  // [Pa]
 
 /// A bar of 1 m and 1 dm2 along x that nothing holds.
-SoftDef clayBar(double yieldStress = kYield) {
-  SoftDef bar = softBox({0, 0, 0}, {1, .1, .1}, {8, 1, 1});
+TetSolidDef clayBar(double yieldStress = kYield) {
+  TetSolidDef bar = tetBox({0, 0, 0}, {1, .1, .1}, {8, 1, 1});
   bar.youngsModulus = kYoung, bar.poissonRatio = .3, bar.viscosity = 1e4;
   bar.yieldStress = yieldStress, bar.hardening = kHardening;
   return bar;
 }
 
 /// Pulls the ends of the bar apart with that force per area at rest [Pa].
-void pull(World& world, const SoftDef& bar, double stress, int steps) {
-  const SoftId id = world.deformableAt(0);
+void pull(World& world, const TetSolidDef& bar, double stress, int steps) {
+  const DeformableId id = world.deformableAt(0);
   const std::vector<std::array<int, 3>> triangles = world.surface(id).triangles;
   const auto place = [&](int v) { return bar.vertices[static_cast<std::size_t>(v)]; };
   for (int i = 0; i < steps; ++i, world.step())
@@ -33,7 +33,7 @@ void pull(World& world, const SoftDef& bar, double stress, int steps) {
 }
 
 /// Strain of the length of the bar, between its middles of the ends.
-double strainOf(const World& world, const SoftDef& bar) {
+double strainOf(const World& world, const TetSolidDef& bar) {
   const std::vector<Vec3> x = world.positions(world.deformableAt(0));
   double sum = 0;
   for (std::size_t v = 0; v < x.size(); ++v)
@@ -53,7 +53,7 @@ double volumeOf(const World& world) {
 }
 
 TEST(Plastic, KeepsTheStrainThatItYieldedBy) {
-  const SoftDef bar = clayBar();
+  const TetSolidDef bar = clayBar();
   World world(sceneWith(bar, {0, 0, 0}), options(20));
   const double stress = 3 * kYield;
   pull(world, bar, stress, 300);
@@ -71,7 +71,7 @@ TEST(Plastic, KeepsTheStrainThatItYieldedBy) {
 }
 
 TEST(Plastic, KeepsNothingBelowItsYieldStress) {
-  const SoftDef bar = clayBar(3 * kYield);
+  const TetSolidDef bar = clayBar(3 * kYield);
   World world(sceneWith(bar, {0, 0, 0}), options(20));
   pull(world, bar, 2.5 * kYield, 120);
   EXPECT_NEAR(strainOf(world, bar), 2.5 * kYield / kYoung, 1e-4);
@@ -80,7 +80,7 @@ TEST(Plastic, KeepsNothingBelowItsYieldStress) {
 }
 
 TEST(Plastic, YieldsMoreWhenItIsPulledFurtherAndNotWhenPulledAgain) {
-  const SoftDef bar = clayBar();
+  const TetSolidDef bar = clayBar();
   World world(sceneWith(bar, {0, 0, 0}), options(20));
   double strain[3];
   for (int i = 0; i < 3; ++i) {
@@ -95,7 +95,7 @@ TEST(Plastic, YieldsMoreWhenItIsPulledFurtherAndNotWhenPulledAgain) {
 
 /// A soft box that is thrown at the ground.
 Scene thrownBox(double yieldStress) {
-  SoftDef box = jellyBox({0, 0, .2}, .4, 3);
+  TetSolidDef box = jellyBox({0, 0, .2}, .4, 3);
   box.yieldStress = yieldStress, box.velocity = {0, 0, -4}, box.angularVelocity = {2, 1, 0};
   Scene scene = sceneWith(box);
   scene.bodies.push_back(ground());
@@ -111,8 +111,8 @@ TEST(Plastic, AYieldStressThatNothingReachesChangesNoBit) {
 
 /// Deviation of the shape of an object from its authored shape: root mean square change of the edges of its
 /// cells.
-double changeOf(const World& world, SoftId id) {
-  const SoftDef& d = std::get<SoftDef>(world.definition(id));
+double changeOf(const World& world, DeformableId id) {
+  const TetSolidDef& d = std::get<TetSolidDef>(world.definition(id));
   const std::vector<Vec3> x = world.positions(id);
   double sum = 0;
   int count = 0;
@@ -129,7 +129,7 @@ double changeOf(const World& world, SoftId id) {
 TEST(Plastic, EditsAndSnapshotsKeepTheShape) {
   World world(thrownBox(2e3), options(10)), untouched(thrownBox(2e3), options(10));
   run(world, 60), run(untouched, 60);
-  const SoftId id = world.deformableAt(0);
+  const DeformableId id = world.deformableAt(0);
   const double change = changeOf(world, id);
   EXPECT_GT(change, .05);
   const Snapshot snapshot = world.snapshot();
@@ -139,7 +139,7 @@ TEST(Plastic, EditsAndSnapshotsKeepTheShape) {
   run(world, 30);
   EXPECT_EQ(world.hash(), hash);
   world.restore(snapshot);
-  world.add(jellyBox({5, 5, 5}, .3, 2));
+  world.addDeformable(jellyBox({5, 5, 5}, .3, 2));
   run(world, 30), run(untouched, 30);
   EXPECT_EQ(world.positions(id), untouched.positions(untouched.deformableAt(0)));
   EXPECT_NEAR(changeOf(world, id), change, .1 * change);
@@ -150,9 +150,9 @@ TEST(Plastic, AnObjectThatGoesLeavesTheShapesOfOthers) {
   scene.deformables.insert(scene.deformables.begin(), jellyBox({5, 5, 5}, .3, 2));
   World world(scene, options(10));
   run(world, 60);
-  const SoftId id = world.deformableAt(1);
+  const DeformableId id = world.deformableAt(1);
   const double change = changeOf(world, id);
-  world.remove(world.deformableAt(0));
+  world.removeDeformable(world.deformableAt(0));
   run(world, 60);
   EXPECT_GT(change, .05);
   EXPECT_NEAR(changeOf(world, id), change, .1 * change);
@@ -180,12 +180,12 @@ class PlasticThrow : public ::testing::TestWithParam<Throw> {};
 
 TEST_P(PlasticThrow, StaysFiniteAndComesToRest) {
   const Throw p = GetParam();
-  SoftDef box = jellyBox({0, 0, 0}, .5, 3);
+  TetSolidDef box = jellyBox({0, 0, 0}, .5, 3);
   box.yieldStress = p.yieldStress;
   WorldOptions o = options(10);
   o.params.dt = p.dt;
   World world(sceneWith(box, {0, 0, 0}), o);
-  const SoftId id = world.deformableAt(0);
+  const DeformableId id = world.deformableAt(0);
   throwApart(world, id, 7);
   int quarantined = 0;
   double most = 0;

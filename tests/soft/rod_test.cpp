@@ -12,8 +12,8 @@ namespace {
 
 using namespace test;
 
-SegmentRodDef beam(int pieces) {
-  SegmentRodDef rod;
+RodDef beam(int pieces) {
+  RodDef rod;
   for (int i = 0; i <= pieces; ++i) rod.points.push_back({double(i) / pieces, 0, 0});
   rod.radius = .02;
   rod.youngsModulus = 1e8;
@@ -22,12 +22,12 @@ SegmentRodDef beam(int pieces) {
   rod.start = kWorld;
   return rod;
 }
-double second(const SegmentRodDef& rod) { return std::numbers::pi * std::pow(rod.radius, 4) / 4; }
+double second(const RodDef& rod) { return std::numbers::pi * std::pow(rod.radius, 4) / 4; }
 
 /// A force and a moment at the end of a rod until it rests; returns the state of the last piece.
-BodyState loaded(const SegmentRodDef& rod, const Vec3& force, const Vec3& moment, int steps = 600) {
+BodyState loaded(const RodDef& rod, const Vec3& force, const Vec3& moment, int steps = 600) {
   Scene scene = emptyScene({0, 0, 0});
-  const SegmentRod made = addRod(scene, rod);
+  const RodParts made = addRod(scene, rod);
   World world(scene, options(4));
   const BodyId last = world.bodies()[static_cast<std::size_t>(made.bodies - 1)];
   const double half = length(rod.points.back() - rod.points[rod.points.size() - 2]) / 2;
@@ -43,8 +43,8 @@ BodyState loaded(const SegmentRodDef& rod, const Vec3& force, const Vec3& moment
   return world.state(last);
 }
 
-TEST(SegmentRod, StretchesAsItsSectionSays) {
-  const SegmentRodDef rod = beam(10);
+TEST(RodParts, StretchesAsItsSectionSays) {
+  const RodDef rod = beam(10);
   const double area = std::numbers::pi * rod.radius * rod.radius;
   const BodyState end = loaded(rod, {1000, 0, 0}, {});
   // to the middle of the last piece
@@ -52,8 +52,8 @@ TEST(SegmentRod, StretchesAsItsSectionSays) {
               .01 * 1000 / (rod.youngsModulus * area));
 }
 
-TEST(SegmentRod, TwistsAsItsSectionSays) {
-  SegmentRodDef rod = beam(10);
+TEST(RodParts, TwistsAsItsSectionSays) {
+  RodDef rod = beam(10);
   rod.youngsModulus = 4e5, rod.viscosity = 4e3;
   const double shear = rod.youngsModulus / (2 * (1 + rod.poissonRatio)), torque = .02;
   const BodyState end = loaded(rod, {}, {torque, 0, 0});
@@ -64,10 +64,10 @@ TEST(SegmentRod, TwistsAsItsSectionSays) {
   EXPECT_NEAR(2 * std::atan2(turn.v.x, turn.s), wanted, .01 * wanted);
 }
 
-TEST(SegmentRod, BendsAsABeam) {
+TEST(RodParts, BendsAsABeam) {
   double before = 1;
   for (const int pieces : {10, 20}) {
-    const SegmentRodDef rod = beam(pieces);
+    const RodDef rod = beam(pieces);
     const double area = std::numbers::pi * rod.radius * rod.radius,
                  shear = rod.youngsModulus / (2 * (1 + rod.poissonRatio));
     const double kappa = 6 * (1 + rod.poissonRatio) / (7 + 6 * rod.poissonRatio), force = 1;
@@ -82,9 +82,9 @@ TEST(SegmentRod, BendsAsABeam) {
   }
 }
 
-TEST(SegmentRod, BendsToACircleUnderAMoment) {
+TEST(RodParts, BendsToACircleUnderAMoment) {
   // one radian over its length
-  SegmentRodDef rod = beam(10);
+  RodDef rod = beam(10);
   rod.youngsModulus = 1e6, rod.viscosity = 1e6;
   const double moment = rod.youngsModulus * second(rod);
   const BodyState end = loaded(rod, {}, {0, -moment, 0}, 1200);
@@ -93,9 +93,9 @@ TEST(SegmentRod, BendsToACircleUnderAMoment) {
   EXPECT_NEAR(tip.z, 1 - std::cos(1.), .01);
 }
 
-TEST(SegmentRod, KeepsTheShapeThatItWasMadeIn) {
+TEST(RodParts, KeepsTheShapeThatItWasMadeIn) {
   Scene scene = emptyScene({0, 0, 0});
-  SegmentRodDef rod = beam(1);
+  RodDef rod = beam(1);
   rod.points.clear();
   for (int i = 0; i <= 30; ++i) rod.points.push_back({.2 * std::cos(.4 * i), .2 * std::sin(.4 * i), .01 * i});
   addRod(scene, rod);
@@ -106,10 +106,10 @@ TEST(SegmentRod, KeepsTheShapeThatItWasMadeIn) {
     EXPECT_LT(length(world.state(id).position - scene.bodies[i++].position), 1e-5);
 }
 
-TEST(SegmentRod, SaysWhatIsWrong) {
+TEST(RodParts, SaysWhatIsWrong) {
   Scene scene;
   const auto refused = [&](auto&& change) {
-    SegmentRodDef rod = beam(2);
+    RodDef rod = beam(2);
     change(rod);
     try {
       addRod(scene, rod);
@@ -118,12 +118,12 @@ TEST(SegmentRod, SaysWhatIsWrong) {
     }
     return std::string();
   };
-  EXPECT_EQ(refused([](SegmentRodDef& r) { r.points.resize(1); }), "rod.points");
-  EXPECT_EQ(refused([](SegmentRodDef& r) { r.points[2] = r.points[1]; }), "rod.points[2]");
-  EXPECT_EQ(refused([](SegmentRodDef& r) { r.radius = 0; }), "rod.radius");
-  EXPECT_EQ(refused([](SegmentRodDef& r) { r.poissonRatio = .6; }), "rod.poissonRatio");
-  EXPECT_EQ(refused([](SegmentRodDef& r) { r.end = 3; }), "rod.end");
-  EXPECT_EQ(refused([](SegmentRodDef& r) { r.viscosity = -1; }), "rod.viscosity");
+  EXPECT_EQ(refused([](RodDef& r) { r.points.resize(1); }), "rod.points");
+  EXPECT_EQ(refused([](RodDef& r) { r.points[2] = r.points[1]; }), "rod.points[2]");
+  EXPECT_EQ(refused([](RodDef& r) { r.radius = 0; }), "rod.radius");
+  EXPECT_EQ(refused([](RodDef& r) { r.poissonRatio = .6; }), "rod.poissonRatio");
+  EXPECT_EQ(refused([](RodDef& r) { r.end = 3; }), "rod.end");
+  EXPECT_EQ(refused([](RodDef& r) { r.viscosity = -1; }), "rod.viscosity");
   EXPECT_TRUE(scene.bodies.empty());
 }
 

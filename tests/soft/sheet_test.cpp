@@ -39,7 +39,7 @@ TEST(Cloth, StripStretchesUnderItsLoadAsItsModulusSays) {
   strip.collide = false;
   strip.fixed = {0, 11};
   World world(sceneWith(strip), options(20));
-  const SoftId id = world.deformableAt(0);
+  const DeformableId id = world.deformableAt(0);
   for (int i = 0; i < 500; ++i) {
     const double load = 50 * std::min(1., i / 300.);
     world.applyVertexForce(id, 10, {0, 0, -load});
@@ -57,7 +57,7 @@ TEST(Cloth, TearsWhereItIsStretchedTooFar) {
   cloth.tearStretch = 1.3, cloth.density = 1000, cloth.thickness = 1e-3, cloth.youngsModulus = 1e5;
   for (int i = 0; i <= 8; ++i) cloth.fixed.push_back(9 * i);
   World world(sceneWith(cloth, {0, 0, 0}), options(10));
-  const SoftId id = world.deformableAt(0);
+  const DeformableId id = world.deformableAt(0);
   int broken = 0;
   for (int i = 0; i < 60; ++i) {
     for (int j = 0; j <= 8; ++j) world.applyVertexForce(id, 9 * j + 8, {20, 0, 0});
@@ -149,7 +149,7 @@ TEST(Rod, HoldsAHeavyLoadAtItsEnd) {
   BodyDef load = body(Shape::box({.1, .1, .1}), {1, 0, -.1});
   load.mass = 5;
   scene.bodies.push_back(load);
-  RodDef rope = straightRod({0, 0, 0}, {1, 0, 0}, 20);
+  CableDef rope = straightCable({0, 0, 0}, {1, 0, 0}, 20);
   rope.youngsModulus = 1e8;
   rope.fixed = {0};
   scene.deformables.push_back(rope);
@@ -173,7 +173,7 @@ TEST(Rod, HoldsAHeavyLoadAtItsEnd) {
 }
 
 TEST(Rod, CantileverBendsAsBeamTheorySays) {
-  RodDef rod = straightRod({0, 0, 0}, {1, 0, 0}, 20);
+  CableDef rod = straightCable({0, 0, 0}, {1, 0, 0}, 20);
   rod.radius = .02, rod.youngsModulus = 1e8, rod.density = 500;
   rod.fixed = {0, 1};
   World world(sceneWith(rod), options(20));

@@ -7,14 +7,14 @@
 
 namespace rubble::test {
 
-inline SoftDef jellyBox(const Vec3& corner, double size, int cells, double stiffness = 1e5) {
-  SoftDef box = softBox(corner, {size, size, size}, {cells, cells, cells});
+inline TetSolidDef jellyBox(const Vec3& corner, double size, int cells, double stiffness = 1e5) {
+  TetSolidDef box = tetBox(corner, {size, size, size}, {cells, cells, cells});
   box.youngsModulus = stiffness;
   return box;
 }
 
-inline SoftDef clampedBeam(int along, int across, double stiffness) {
-  SoftDef beam = softBox({0, 0, 0}, {1, .1, .1}, {along, across, across});
+inline TetSolidDef clampedBeam(int along, int across, double stiffness) {
+  TetSolidDef beam = tetBox({0, 0, 0}, {1, .1, .1}, {along, across, across});
   beam.youngsModulus = stiffness;
   beam.poissonRatio = .3;
   for (std::size_t i = 0; i < beam.vertices.size(); ++i)
@@ -29,7 +29,7 @@ inline Scene sceneWith(const Deformable& object, const Vec3& gravity = {0, 0, -1
 }
 
 /// Puts all vertices at random places within 1 m of the origin in each axis, at rest.
-inline void throwApart(World& world, SoftId id, unsigned seed) {
+inline void throwApart(World& world, DeformableId id, unsigned seed) {
   std::vector<Vec3> x = world.positions(id);
   Random random(seed);
   for (Vec3& a : x) a = random.vector(1);
@@ -40,7 +40,7 @@ struct Momentum {
   Vec3 linear, angular, center;
   double mass = 0;
 };
-inline Momentum momentumOf(const World& world, SoftId id) {
+inline Momentum momentumOf(const World& world, DeformableId id) {
   Momentum p;
   const std::vector<Vec3> x = world.positions(id), v = world.velocities(id);
   const std::vector<double> m = world.masses(id);
@@ -55,8 +55,8 @@ inline Momentum momentumOf(const World& world, SoftId id) {
 }
 
 /// Cells whose volume is not within `share` of that at rest.
-inline int crushed(const World& world, SoftId id, double share) {
-  const SoftDef& d = std::get<SoftDef>(world.definition(id));
+inline int crushed(const World& world, DeformableId id, double share) {
+  const TetSolidDef& d = std::get<TetSolidDef>(world.definition(id));
   const std::vector<Vec3> now = world.positions(id);
   const auto volume = [](const std::vector<Vec3>& x, const std::array<int, 4>& t) {
     const Vec3& a = x[static_cast<std::size_t>(t[0])];

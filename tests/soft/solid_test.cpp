@@ -9,7 +9,7 @@ namespace {
 
 using namespace test;
 
-double tipHeight(const World& world, const SoftDef& beam) {
+double tipHeight(const World& world, const TetSolidDef& beam) {
   const std::vector<Vec3> x = world.positions(world.deformableAt(0));
   double sum = 0;
   int count = 0;
@@ -19,7 +19,7 @@ double tipHeight(const World& world, const SoftDef& beam) {
 }
 
 TEST(Solid, BeamFollowsTheConvergedSolutionAtTwentyIterations) {
-  const SoftDef beam = clampedBeam(10, 2, 1e6);
+  const TetSolidDef beam = clampedBeam(10, 2, 1e6);
   World world(sceneWith(beam), options(20)), converged(sceneWith(beam), options(400));
   double worst = 0, deepest = 0;
   for (int i = 0; i < 120; ++i) {
@@ -33,7 +33,7 @@ TEST(Solid, BeamFollowsTheConvergedSolutionAtTwentyIterations) {
 }
 
 TEST(Solid, AccelerationHalvesTheErrorThatIterationsLeave) {
-  const SoftDef beam = clampedBeam(10, 2, 1e6);
+  const TetSolidDef beam = clampedBeam(10, 2, 1e6);
   WorldOptions plainly = options(20);
   plainly.params.tuning.acceleration = 0;
   World world(sceneWith(beam), options(20)), plain(sceneWith(beam), plainly),
@@ -50,7 +50,7 @@ TEST(Solid, AccelerationHalvesTheErrorThatIterationsLeave) {
 
 TEST(Solid, StiffBeamSagsAsTheConvergedOneDoes) {
   // E dt^2 / (rho h^2) = 1e4: far beyond what a sweep over vertices alone carries
-  const SoftDef beam = clampedBeam(10, 2, 1e8);
+  const TetSolidDef beam = clampedBeam(10, 2, 1e8);
   World world(sceneWith(beam), options(20)), converged(sceneWith(beam), options(300, "reference"));
   run(world, 60), run(converged, 60);
   const double exact = tipHeight(converged, beam);
@@ -83,11 +83,11 @@ TEST(Solid, BoxLandsAndRestsOnThePlane) {
 }
 
 TEST(Solid, KeepsItsMomentumAndLosesEnergyInFreeFlight) {
-  SoftDef box = jellyBox({0, 0, 0}, .4, 3);
+  TetSolidDef box = jellyBox({0, 0, 0}, .4, 3);
   box.velocity = {1, 0, 0}, box.angularVelocity = {1, 2, 3};
   box.viscosity = 50;
   World world(sceneWith(box, {0, 0, 0}), options(10));
-  const SoftId id = world.deformableAt(0);
+  const DeformableId id = world.deformableAt(0);
   const Momentum before = momentumOf(world, id);
   double energy = world.quality().kineticEnergy, largest = 0;
   for (int i = 0; i < 120; ++i) {
@@ -101,9 +101,9 @@ TEST(Solid, KeepsItsMomentumAndLosesEnergyInFreeFlight) {
 }
 
 TEST(Solid, ViscosityDoesNotBrakeRigidMotion) {
-  SoftDef box = jellyBox({0, 0, 0}, .4, 2);
+  TetSolidDef box = jellyBox({0, 0, 0}, .4, 2);
   box.angularVelocity = {0, 0, 2};
-  SoftDef thick = box;
+  TetSolidDef thick = box;
   thick.viscosity = 2000;
   World plain(sceneWith(box, {0, 0, 0}), options(20)), viscous(sceneWith(thick, {0, 0, 0}), options(20));
   run(plain, 60), run(viscous, 60);
@@ -114,7 +114,7 @@ TEST(Solid, ViscosityDoesNotBrakeRigidMotion) {
 
 TEST(Solid, ViscosityEndsVibration) {
   const auto energyLeft = [](double viscosity) {
-    SoftDef beam = clampedBeam(8, 1, 1e6);
+    TetSolidDef beam = clampedBeam(8, 1, 1e6);
     beam.viscosity = viscosity;
     for (Vec3 x : beam.vertices) {
       x.z += .2 * x.x * x.x;
@@ -138,7 +138,7 @@ TEST_P(ThrownApart, RecoversItsShape) {
   WorldOptions o = options(p.iterations);
   o.params.dt = p.dt;
   World world(sceneWith(jellyBox({0, 0, 0}, .5, 3), {0, 0, 0}), o);
-  const SoftId id = world.deformableAt(0);
+  const DeformableId id = world.deformableAt(0);
   throwApart(world, id, 7);
   int quarantined = 0;
   for (int i = 0; i < p.steps; ++i) quarantined += world.step().quarantined;
@@ -154,7 +154,7 @@ TEST(Solid, StaysFiniteAtOneIterationAndAThousandthOfASecond) {
   WorldOptions o = options(1);
   o.params.dt = 1e-3;
   World world(sceneWith(jellyBox({0, 0, 0}, .5, 3), {0, 0, 0}), o);
-  const SoftId id = world.deformableAt(0);
+  const DeformableId id = world.deformableAt(0);
   throwApart(world, id, 9);
   int quarantined = 0;
   for (int i = 0; i < 500; ++i) quarantined += world.step().quarantined;
@@ -163,7 +163,7 @@ TEST(Solid, StaysFiniteAtOneIterationAndAThousandthOfASecond) {
 
 TEST(Solid, RecoversFromAPlaneAndFromBeingTurnedInsideOut) {
   for (const double mirrored : {0., -1.}) {
-    SoftDef box = jellyBox({-.25, -.25, -.25}, .5, 3);
+    TetSolidDef box = jellyBox({-.25, -.25, -.25}, .5, 3);
     for (const Vec3& x : box.vertices) box.start.push_back({x.x, x.y, mirrored * x.z});
     World world(sceneWith(box, {0, 0, 0}), options(10));
     run(world, 300);
@@ -177,7 +177,7 @@ TEST(Solid, SpheresOfVerticesKeepTwoBoxesApart) {
   Scene scene = emptyScene();
   scene.bodies.push_back(ground());
   for (int i = 0; i < 2; ++i) {
-    SoftDef box = jellyBox({.02 * i, 0, .1 + .5 * i}, .3, 3);
+    TetSolidDef box = jellyBox({.02 * i, 0, .1 + .5 * i}, .3, 3);
     box.contactRadius = .05;
     box.collideVertices = true;
     scene.deformables.push_back(box);

@@ -11,15 +11,15 @@ namespace {
 
 using namespace test;
 
-double lengthOf(const World& world, SoftId id) {
+double lengthOf(const World& world, DeformableId id) {
   const std::vector<Vec3> x = world.positions(id);
   double sum = 0;
   for (std::size_t k = 0; k + 1 < x.size(); ++k) sum += length(x[k + 1] - x[k]);
   return sum;
 }
 
-RodDef rope(int segments, double stiffness = 1e8) {
-  RodDef d = straightRod({0, 0, 0}, {0, 0, -1}, segments);
+CableDef rope(int segments, double stiffness = 1e8) {
+  CableDef d = straightCable({0, 0, 0}, {0, 0, -1}, segments);
   d.radius = .01, d.youngsModulus = stiffness, d.density = 300;
   return d;
 }
@@ -27,7 +27,7 @@ RodDef rope(int segments, double stiffness = 1e8) {
 TEST(Strand, HoldsALoadTenThousandTimesAsHeavyAsAVertexAtOnce) {
   constexpr double kLoad = 10;
   for (const int segments : {10, 50, 100}) {
-    RodDef d = rope(segments);
+    CableDef d = rope(segments);
     d.fixed = {0};
     Scene scene = sceneWith(d);
     BodyDef load = body(Shape::sphere(.05), {0, 0, -1.06});
@@ -50,7 +50,7 @@ TEST(Strand, HoldsALoadTenThousandTimesAsHeavyAsAVertexAtOnce) {
 }
 
 TEST(Strand, BendsAtFewIterationsAsAtMany) {
-  RodDef d = straightRod({0, 0, 0}, {1, 0, 0}, 40);
+  CableDef d = straightCable({0, 0, 0}, {1, 0, 0}, 40);
   d.radius = .02, d.youngsModulus = 1e8, d.density = 500;
   d.fixed = {0, 1};
   World few(sceneWith(d), options(4)), many(sceneWith(d), options(200));
@@ -65,9 +65,9 @@ TEST(Strand, BendsAtFewIterationsAsAtMany) {
 }
 
 TEST(Strand, KeepsItsMomentumAndGainsNoEnergyWhenItIsThrownAnyhow) {
-  RodDef d = rope(30, 1e7);
+  CableDef d = rope(30, 1e7);
   World world(sceneWith(d, {0, 0, 0}), options(4));
-  const SoftId id = world.deformableAt(0);
+  const DeformableId id = world.deformableAt(0);
   Random random(5);
   std::vector<Vec3> velocities;
   for (std::size_t i = 0; i < d.vertices.size(); ++i) velocities.push_back(random.vector(3));
@@ -84,7 +84,7 @@ TEST(Strand, KeepsItsMomentumAndGainsNoEnergyWhenItIsThrownAnyhow) {
 
 /// Rope of 1 m that is authored with a stretch, its first end fixed.
 Scene stretchedRope(double strain) {
-  RodDef d = straightRod({0, 0, 0}, {1, 0, 0}, 20);
+  CableDef d = straightCable({0, 0, 0}, {1, 0, 0}, 20);
   d.radius = .005, d.youngsModulus = 1e8, d.density = 1000;
   for (const Vec3& x : d.vertices) d.start.push_back((1 + strain) * x);
   d.fixed = {0};
@@ -153,7 +153,7 @@ TEST(Strand, HoldsOnABarUpToTheRatioOfLoadsThatFrictionAllows) {
       World world(spec.build(scenes::resolve(spec, {{"load_ratio", ratio}, {"segments", segments}})),
                   options(10));
       run(world, steps);
-      return -.55 - world.state(world.find("heavy")).position.z;
+      return -.55 - world.state(world.findBody("heavy")).position.z;
     };
     EXPECT_LT(fallAfter(2.44, 240), .1) << segments;
     EXPECT_GT(fallAfter(2.7, 240), .4) << segments;

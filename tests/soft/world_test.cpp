@@ -18,7 +18,7 @@ Scene medley() {
   ClothDef cloth = clothSheet({-1, -1, 1.5}, {2, 0, 0}, {0, 2, 0}, 10, 10);
   cloth.fixed = {0, 10, 110, 120};
   scene.deformables.push_back(cloth);
-  RodDef rope = straightRod({2, 0, 2}, {3, 0, 2}, 8);
+  CableDef rope = straightCable({2, 0, 2}, {3, 0, 2}, 8);
   rope.fixed = {0};
   scene.deformables.push_back(rope);
   ParticlesDef sand;
@@ -49,7 +49,7 @@ TEST(SoftWorld, LockstepFindsNoDifference) {
 TEST(SoftWorld, SinglePrecisionStaysWithDouble) {
   World single(medley(), options(10)), reference(medley(), options(10, "reference"));
   run(single, 20), run(reference, 20);
-  for (const SoftId id : single.deformables()) {
+  for (const DeformableId id : single.deformables()) {
     const std::vector<Vec3> a = single.positions(id), b = reference.positions(id);
     for (std::size_t i = 0; i < a.size(); ++i) EXPECT_LT(length(a[i] - b[i]), 5e-3) << id.index << " " << i;
   }
@@ -69,9 +69,9 @@ TEST(SoftWorld, SnapshotGoesOnBitForBit) {
 TEST(SoftWorld, RemovingAnObjectLeavesTheOthersAsTheyAre) {
   World world(medley(), options(4));
   run(world, 30);
-  const std::vector<SoftId> ids = world.deformables();
+  const std::vector<DeformableId> ids = world.deformables();
   const std::vector<Vec3> sand = world.positions(ids[3]), ropeSpeed = world.velocities(ids[2]);
-  world.remove(ids[1]);
+  world.removeDeformable(ids[1]);
   EXPECT_FALSE(world.alive(ids[1]));
   EXPECT_THROW(world.positions(ids[1]), Error);
   EXPECT_EQ(world.positions(ids[3]), sand);
@@ -80,7 +80,7 @@ TEST(SoftWorld, RemovingAnObjectLeavesTheOthersAsTheyAre) {
   run(world, 30);
   // the sand lies still whatever else goes
   for (std::size_t i = 0; i < sand.size(); ++i) EXPECT_LT(length(world.positions(ids[3])[i] - sand[i]), .2);
-  const SoftId fresh = world.add(jellyBox({4, 0, 1}, .3, 2));
+  const DeformableId fresh = world.addDeformable(jellyBox({4, 0, 1}, .3, 2));
   EXPECT_NE(fresh, ids[1]);
   run(world, 10);
   EXPECT_LT(momentumOf(world, fresh).center.z, 1.15);
@@ -89,7 +89,7 @@ TEST(SoftWorld, RemovingAnObjectLeavesTheOthersAsTheyAre) {
 TEST(SoftWorld, RemovingABodyTakesItsAttachmentsWithIt) {
   World world(medley(), options(4));
   run(world, 10);
-  world.remove(world.bodyAt(4));
+  world.removeBody(world.bodyAt(4));
   EXPECT_TRUE(world.attachments().empty());
   run(world, 10);
 }
@@ -97,15 +97,15 @@ TEST(SoftWorld, RemovingABodyTakesItsAttachmentsWithIt) {
 TEST(SoftWorld, AWorldWithoutDeformableObjectsStepsAsBefore) {
   World plain(tower(5), options(4));
   World edited(tower(5), options(4));
-  const SoftId id = edited.add(jellyBox({5, 5, 5}, .3, 2));
-  edited.remove(id);
+  const DeformableId id = edited.addDeformable(jellyBox({5, 5, 5}, .3, 2));
+  edited.removeDeformable(id);
   run(plain, 20), run(edited, 20);
   for (int i = 1; i <= 5; ++i)
     EXPECT_EQ(plain.state(plain.bodyAt(i)).position, edited.state(edited.bodyAt(i)).position);
 }
 
 template <class Change> std::string errorOf(Change&& change) {
-  SoftDef box = jellyBox({0, 0, 0}, 1, 1);
+  TetSolidDef box = jellyBox({0, 0, 0}, 1, 1);
   change(box);
   try {
     World world(sceneWith(box));
@@ -116,18 +116,18 @@ template <class Change> std::string errorOf(Change&& change) {
 }
 
 TEST(SoftWorld, BadInputIsNamed) {
-  EXPECT_EQ(errorOf([](SoftDef&) {}), "");
-  EXPECT_EQ(errorOf([](SoftDef& d) { d.poissonRatio = .5; }), "deformables[0].poissonRatio");
-  EXPECT_EQ(errorOf([](SoftDef& d) { d.density = 0; }), "deformables[0].density");
-  EXPECT_EQ(errorOf([](SoftDef& d) { d.yieldStress = 0; }), "deformables[0].yieldStress");
-  EXPECT_EQ(errorOf([](SoftDef& d) { d.hardening = -1; }), "deformables[0].hardening");
-  EXPECT_EQ(errorOf([](SoftDef& d) { d.hardening = kUnbreakable; }), "deformables[0].hardening");
-  EXPECT_EQ(errorOf([](SoftDef& d) { std::swap(d.tetrahedra[2][0], d.tetrahedra[2][1]); }),
+  EXPECT_EQ(errorOf([](TetSolidDef&) {}), "");
+  EXPECT_EQ(errorOf([](TetSolidDef& d) { d.poissonRatio = .5; }), "deformables[0].poissonRatio");
+  EXPECT_EQ(errorOf([](TetSolidDef& d) { d.density = 0; }), "deformables[0].density");
+  EXPECT_EQ(errorOf([](TetSolidDef& d) { d.yieldStress = 0; }), "deformables[0].yieldStress");
+  EXPECT_EQ(errorOf([](TetSolidDef& d) { d.hardening = -1; }), "deformables[0].hardening");
+  EXPECT_EQ(errorOf([](TetSolidDef& d) { d.hardening = kUnbreakable; }), "deformables[0].hardening");
+  EXPECT_EQ(errorOf([](TetSolidDef& d) { std::swap(d.tetrahedra[2][0], d.tetrahedra[2][1]); }),
             "deformables[0].tetrahedra[2]");
-  EXPECT_EQ(errorOf([](SoftDef& d) { d.tetrahedra[1][3] = 99; }), "deformables[0].tetrahedra[1]");
-  EXPECT_EQ(errorOf([](SoftDef& d) { d.vertices.push_back({3, 3, 3}); }), "deformables[0].vertices[8]");
-  EXPECT_EQ(errorOf([](SoftDef& d) { d.fixed = {-1}; }), "deformables[0].fixed[0]");
-  EXPECT_EQ(errorOf([](SoftDef& d) { d.start = {{0, 0, 0}}; }), "deformables[0].start");
+  EXPECT_EQ(errorOf([](TetSolidDef& d) { d.tetrahedra[1][3] = 99; }), "deformables[0].tetrahedra[1]");
+  EXPECT_EQ(errorOf([](TetSolidDef& d) { d.vertices.push_back({3, 3, 3}); }), "deformables[0].vertices[8]");
+  EXPECT_EQ(errorOf([](TetSolidDef& d) { d.fixed = {-1}; }), "deformables[0].fixed[0]");
+  EXPECT_EQ(errorOf([](TetSolidDef& d) { d.start = {{0, 0, 0}}; }), "deformables[0].start");
   ClothDef cloth = clothSheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1, 1);
   cloth.vertices.push_back({2, 2, 2});
   cloth.triangles.push_back({0, 3, 4}), cloth.triangles.push_back({0, 3, 1});

@@ -121,7 +121,7 @@ TEST(Dragger, AHeldBodyFollowsAMouseThatMoves) {
 TEST(Dragger, AHeldVertexFollowsTheMouse) {
   Player player(blockOnGround, kBlock);
   Dragger dragger;
-  const SoftId cloth = player.world().deformables().front();
+  const DeformableId cloth = player.world().deformables().front();
   const int corner = 24;
   const Vec3 before = player.world().positions(cloth)[24];
   ASSERT_TRUE(dragger.take(player, cloth, corner));

@@ -23,7 +23,7 @@ class Recorded : public testing::Test {
     World world(scene, {"cpu", 1, {}, false, false});
     io::RecordingWriter writer(file_, {"fall", world.params().dt, world.gravity(), 1e-5});
     for (int step = 0; step <= 90; ++step) {
-      heights_.push_back(world.state(world.find("ball")).position.z);
+      heights_.push_back(world.state(world.findBody("ball")).position.z);
       writer.write(io::recordedBodies(world), io::recordedFrame(world));
       world.step();
     }

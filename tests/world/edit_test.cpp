@@ -15,7 +15,7 @@ TEST(WorldIds, OfARemovedBodyAreDeadAndThrow) {
   World world(test::tower(2), options());
   const BodyId id = world.bodyAt(2);
   EXPECT_TRUE(world.alive(id));
-  world.remove(id);
+  world.removeBody(id);
   EXPECT_FALSE(world.alive(id));
   EXPECT_THROW(world.state(id), Error);
   EXPECT_THROW(world.setState(id, {}), Error);
@@ -25,14 +25,14 @@ TEST(WorldIds, OfARemovedBodyAreDeadAndThrow) {
   EXPECT_THROW(world.applyImpulse(id, {}), Error);
   EXPECT_THROW(world.definition(id), Error);
   EXPECT_THROW(world.massOf(id), Error);
-  EXPECT_THROW(world.remove(id), Error);
+  EXPECT_THROW(world.removeBody(id), Error);
 }
 
 TEST(WorldIds, DoNotFindTheNextBodyOfTheirSlot) {
   World world(test::tower(2), options());
   const BodyId old = world.bodyAt(2);
-  world.remove(old);
-  const BodyId fresh = world.add(test::unitCube({0, 0, 5}));
+  world.removeBody(old);
+  const BodyId fresh = world.addBody(test::unitCube({0, 0, 5}));
   EXPECT_EQ(fresh.index, old.index);
   EXPECT_NE(fresh.generation, old.generation);
   EXPECT_TRUE(world.alive(fresh));
@@ -57,17 +57,17 @@ TEST(WorldNames, FindBodiesAndJointsAndAreFreedByRemoval) {
   scene.joints.push_back(test::ball(1, {0, 0, .5}, 2, {0, 0, -.5}));
   scene.joints[0].name = "pin";
   World world(scene, options());
-  EXPECT_EQ(world.find("high"), world.bodyAt(2));
+  EXPECT_EQ(world.findBody("high"), world.bodyAt(2));
   EXPECT_EQ(world.findJoint("pin"), world.joints()[0]);
-  EXPECT_THROW(world.find("none"), Error);
+  EXPECT_THROW(world.findBody("none"), Error);
   BodyDef twin = test::unitCube({5, 0, 5});
   twin.name = "high";
-  EXPECT_THROW(world.add(twin), Error);
-  world.remove(world.find("high"));
-  EXPECT_THROW(world.find("high"), Error);
+  EXPECT_THROW(world.addBody(twin), Error);
+  world.removeBody(world.findBody("high"));
+  EXPECT_THROW(world.findBody("high"), Error);
   EXPECT_THROW(world.findJoint("pin"), Error);
-  const BodyId id = world.add(twin);
-  EXPECT_EQ(world.find("high"), id);
+  const BodyId id = world.addBody(twin);
+  EXPECT_EQ(world.findBody("high"), id);
 }
 
 TEST(WorldEdit, RemovingABodyTakesItsJointsAlong) {
@@ -79,12 +79,12 @@ TEST(WorldEdit, RemovingABodyTakesItsJointsAlong) {
   World world(scene, options());
   const std::vector<JointId> joints = world.joints();
   test::run(world, 5);
-  world.remove(world.bodyAt(1));
+  world.removeBody(world.bodyAt(1));
   EXPECT_FALSE(world.alive(joints[0]));
   EXPECT_FALSE(world.alive(joints[1]));
   EXPECT_TRUE(world.alive(joints[2]));
   EXPECT_THROW(world.state(joints[0]), Error);
-  EXPECT_THROW(world.remove(joints[0]), Error);
+  EXPECT_THROW(world.removeJoint(joints[0]), Error);
   const double z = world.state(world.bodyAt(2)).position.z;
   test::run(world, 30);
   EXPECT_LT(world.state(world.bodyAt(2)).position.z, z - 1);
@@ -92,7 +92,7 @@ TEST(WorldEdit, RemovingABodyTakesItsJointsAlong) {
 
 TEST(WorldEdit, BodiesListsTheAliveOnesByIndex) {
   World world(test::tower(3), options());
-  world.remove(world.bodyAt(2));
+  world.removeBody(world.bodyAt(2));
   const std::vector<BodyId> ids = world.bodies();
   ASSERT_EQ(ids.size(), 3u);
   EXPECT_EQ(ids[0], world.bodyAt(0));
@@ -104,7 +104,7 @@ TEST(WorldEdit, BodiesListsTheAliveOnesByIndex) {
 TEST(WorldEdit, ABodyAddedWhileRunningFallsAndLands) {
   World world(test::tower(1), options());
   test::run(world, 10);
-  const BodyId id = world.add(test::unitCube({0, 0, 3}));
+  const BodyId id = world.addBody(test::unitCube({0, 0, 3}));
   test::run(world, 120);
   EXPECT_NEAR(world.state(id).position.z, 1.5, .01);
   EXPECT_NEAR(world.state(world.bodyAt(1)).position.z, .5, .01);
@@ -113,7 +113,7 @@ TEST(WorldEdit, ABodyAddedWhileRunningFallsAndLands) {
 TEST(WorldEdit, RemovingTheSupportLetsABodyFall) {
   World world(test::tower(2), options());
   test::run(world, 60);
-  world.remove(world.bodyAt(1));
+  world.removeBody(world.bodyAt(1));
   test::run(world, 30);
   EXPECT_NEAR(world.state(world.bodyAt(2)).position.z, .5, .02);
 }
@@ -121,10 +121,10 @@ TEST(WorldEdit, RemovingTheSupportLetsABodyFall) {
 TEST(WorldEdit, AnotherBodyInASlotTakesOverNoContacts) {
   World world(test::tower(2), options());
   test::run(world, 60);
-  world.remove(world.bodyAt(2));
+  world.removeBody(world.bodyAt(2));
   // in the slot of a resting cube, off the ground and clear of the other
   BodyDef def = test::unitCube({0, 0, 3});
-  const BodyId id = world.add(def);
+  const BodyId id = world.addBody(def);
   world.step();
   EXPECT_NEAR(world.state(id).velocity.z, -10. / 60, 1e-6);
 }
@@ -135,7 +135,7 @@ TEST(WorldEdit, AThousandBodiesAddedToARunningWorldAllCollide) {
   // separate columns of two cubes: one touches the ground, one the cube below
   for (int y = 0; y < 20; ++y)
     for (int x = 0; x < 25; ++x)
-      for (int z = 0; z < 2; ++z) world.add(test::unitCube({3. + 1.5 * x, 1.5 * y, .5 + z}));
+      for (int z = 0; z < 2; ++z) world.addBody(test::unitCube({3. + 1.5 * x, 1.5 * y, .5 + z}));
   const StepReport report = world.step();
   EXPECT_EQ(report.bodies, 1002);
   EXPECT_EQ(report.manifolds, 1001);
@@ -151,12 +151,12 @@ TEST(WorldEdit, AThousandBodiesAddedToARunningWorldAllCollide) {
 TEST(WorldEdit, APlaneAddedOrRemovedWhileRunningActsAtOnce) {
   World world(test::tower(1), options());
   test::run(world, 10);
-  world.remove(world.bodyAt(0));
+  world.removeBody(world.bodyAt(0));
   test::run(world, 30);
   EXPECT_LT(world.state(world.bodyAt(1)).position.z, -.5);
   BodyDef floor = test::ground();
   floor.position = {0, 0, -4};
-  world.add(floor);
+  world.addBody(floor);
   test::run(world, 120);
   EXPECT_NEAR(world.state(world.bodyAt(1)).position.z, -3.5, .02);
 }

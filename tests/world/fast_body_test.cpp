@@ -52,7 +52,7 @@ class FastBody : public testing::TestWithParam<Shot> {};
 TEST_P(FastBody, DoesNotPassAPlate) {
   const Shot shot = GetParam();
   World world(shooting(shot), test::options(4));
-  const BodyId p = world.find("plate"), b = world.find("bullet");
+  const BodyId p = world.findBody("plate"), b = world.findBody("bullet");
   int stops = 0;
   const int steps = static_cast<int>(shot.distance / shot.speed / kDt) + 12;
   for (int i = 0; i < steps; ++i) {
@@ -73,7 +73,7 @@ TEST_P(FastBody, HandsItsMomentumToAFreePlate) {
   const Shot shot = GetParam();
   if (!shot.freePlate) return;
   World world(shooting(shot), test::options(4));
-  const BodyId p = world.find("plate"), b = world.find("bullet");
+  const BodyId p = world.findBody("plate"), b = world.findBody("bullet");
   const double m = world.massOf(b).mass;
   test::run(world, static_cast<int>(shot.distance / shot.speed / kDt) + 12);
   const Vec3 momentum = m * world.state(b).velocity + world.massOf(p).mass * world.state(p).velocity;
@@ -100,9 +100,9 @@ TEST(FastBodyNearMiss, IsNotTouched) {
       scene.bodies.push_back(bullet(box, {.51, 0, start}, {0, 0, -1000}));
       World world(scene, test::options(4));
       test::run(world, 3);
-      EXPECT_EQ(world.state(world.find("plate")).velocity, (Vec3{}));
-      EXPECT_TRUE(test::near(world.state(world.find("bullet")).velocity, Vec3{0, 0, -1000}, .1));
-      EXPECT_TRUE(test::near(world.state(world.find("bullet")).position, Vec3{.51, 0, start - 50}, 1e-2));
+      EXPECT_EQ(world.state(world.findBody("plate")).velocity, (Vec3{}));
+      EXPECT_TRUE(test::near(world.state(world.findBody("bullet")).velocity, Vec3{0, 0, -1000}, .1));
+      EXPECT_TRUE(test::near(world.state(world.findBody("bullet")).position, Vec3{.51, 0, start - 50}, 1e-2));
     }
 }
 
@@ -116,9 +116,11 @@ TEST(FastBody, DoesNotPassAPlateThatComesTowardsIt) {
   World world(scene, test::options(4));
   for (int i = 0; i < 20; ++i) {
     world.step();
-    EXPECT_GT(world.state(world.find("bullet")).position.z, world.state(world.find("plate")).position.z) << i;
+    EXPECT_GT(world.state(world.findBody("bullet")).position.z,
+              world.state(world.findBody("plate")).position.z)
+        << i;
   }
-  EXPECT_NEAR(world.state(world.find("bullet")).velocity.z, 20, .2);
+  EXPECT_NEAR(world.state(world.findBody("bullet")).velocity.z, 20, .2);
 }
 
 TEST(FastBody, TwoOfThemMeetHeadOn) {
@@ -129,9 +131,11 @@ TEST(FastBody, TwoOfThemMeetHeadOn) {
   World world(scene, test::options(4));
   for (int i = 0; i < 10; ++i) {
     world.step();
-    EXPECT_GT(world.state(world.find("bullet")).position.z, world.state(world.find("other")).position.z) << i;
+    EXPECT_GT(world.state(world.findBody("bullet")).position.z,
+              world.state(world.findBody("other")).position.z)
+        << i;
   }
-  EXPECT_LT(length(world.state(world.find("bullet")).velocity), 7);
+  EXPECT_LT(length(world.state(world.findBody("bullet")).velocity), 7);
 }
 
 TEST(StruckBody, IsNotDrivenIntoTheGround) {

@@ -106,7 +106,7 @@ TEST(Joint, KeepsItsBodiesFromCollidingUnlessAsked) {
 TEST(Joint, RemovedLetsItsBodiesCollideAgain) {
   World world(overlapping(false), options());
   EXPECT_EQ(world.step().manifolds, 0);
-  world.remove(world.joints()[0]);
+  world.removeJoint(world.joints()[0]);
   EXPECT_EQ(world.step().manifolds, 1);
 }
 
@@ -128,7 +128,7 @@ TEST(Joint, SlotsAreUsedAgainWithoutOldLoad) {
   World world(hanging(), options(20, "reference"));
   test::run(world, 120);
   const JointId old = world.joints()[0];
-  world.remove(old);
+  world.removeBody(old);
   JointDef joint;
   joint.anchorA = {0, 0, .5};
   joint.anchorB = world.state(world.bodyAt(0)).position + Vec3{0, 0, .5};

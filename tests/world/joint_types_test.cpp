@@ -225,11 +225,11 @@ TEST(Joint, RestoresWithASnapshot) {
   EXPECT_EQ(world.state(only(world)).axes[0].position, angle);
 }
 
-TEST(Grab, DrawsABodyToAPointWithoutOvershootAndLetsGo) {
+TEST(DragJoint, DrawsABodyToAPointWithoutOvershootAndLetsGo) {
   Scene scene = cube({});
   World world(scene, options(10));
-  const JointId grab = world.grab(world.bodyAt(0), {0, 0, 0}, 1000, 2);
-  world.moveGrab(grab, {1, 0, 0});
+  const JointId drag = world.addDragJoint(world.bodyAt(0), {0, 0, 0}, 1000, 2);
+  world.setDragTarget(drag, {1, 0, 0});
   double most = 0;
   for (int i = 0; i < 120; ++i) {
     world.step();
@@ -237,7 +237,7 @@ TEST(Grab, DrawsABodyToAPointWithoutOvershootAndLetsGo) {
   }
   EXPECT_NEAR(world.state(world.bodyAt(0)).position.x, 1, .01);
   EXPECT_LT(most, 1.01);
-  world.remove(grab);
+  world.removeJoint(drag);
   EXPECT_TRUE(world.joints().empty());
 }
 

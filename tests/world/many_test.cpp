@@ -70,11 +70,11 @@ TEST_P(ManyBodies, AreEditedAsOneByOne) {
   EXPECT_EQ(one.hash(), many.hash());
 
   const std::vector<BodyDef> fresh = {test::unitCube({5, 5, 9}), test::unitCube({7, 5, 9})};
-  for (const BodyDef& body : fresh) one.add(body);
+  for (const BodyDef& body : fresh) one.addBody(body);
   const std::vector<BodyId> added = many.addBodies(fresh);
   EXPECT_EQ(added.size(), 2u);
   const std::vector<BodyId> gone = {ids[3], ids[7], ids[8]};
-  for (const BodyId id : gone) one.remove(id);
+  for (const BodyId id : gone) one.removeBody(id);
   many.removeBodies(gone);
   test::run(one, 20), test::run(many, 20);
   EXPECT_EQ(one.bodies(), many.bodies());
@@ -127,7 +127,7 @@ TEST_P(ManyBodies, HaveTheirStateInArraysByIndex) {
   w.step();
   EXPECT_EQ(w.epoch(), position.epoch);
   EXPECT_EQ(w.array(StateArray::Position).data, position.data);
-  w.remove(w.bodyAt(3));
+  w.removeBody(w.bodyAt(3));
   EXPECT_NE(w.epoch(), position.epoch);
 }
 
@@ -201,9 +201,9 @@ TEST(SnapshotCopies, DoNotFollowEditsOfTheWorld) {
   const Snapshot before = world.snapshot();
   const std::uint64_t hash = world.hash();
   const std::vector<BodyId> ids = world.bodies();
-  world.remove(world.bodyAt(6));
-  world.add(test::unitCube({9, 9, 9}));
-  world.add(test::unitCube({9, 9, 12}));
+  world.removeBody(world.bodyAt(6));
+  world.addBody(test::unitCube({9, 9, 9}));
+  world.addBody(test::unitCube({9, 9, 12}));
   test::run(world, 5);
   world.restore(before);
   EXPECT_EQ(world.bodies(), ids);

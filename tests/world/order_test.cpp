@@ -62,8 +62,8 @@ TEST_P(Order, EditsFindTheirBodies) {
   const int gone = test::cubeOfCourse(scene, 2, 3), sunk = test::cubeOfCourse(scene, 0, 4);
   World as = world(false), sorted = world(true);
   for (World* w : {&as, &sorted}) {
-    w->remove(w->bodyAt(gone));
-    const BodyId fresh = w->add(test::unitCube({-9, 9, .5}));
+    w->removeBody(w->bodyAt(gone));
+    const BodyId fresh = w->addBody(test::unitCube({-9, 9, .5}));
     EXPECT_EQ(fresh.index, w->bodyAt(gone).index);
     w->applyImpulse(w->bodyAt(pushed), {0, 0, 3});
     w->applyForce(w->bodyAt(lifted), {0, 0, 70});
@@ -71,7 +71,7 @@ TEST_P(Order, EditsFindTheirBodies) {
     state.position = {-9, -9, .5};
     w->setState(w->bodyAt(moved), state);
     w->setCollide(w->bodyAt(sunk), w->bodyAt(0), false);
-    w->add(test::unitCube({9, 9, .5}));
+    w->addBody(test::unitCube({9, 9, .5}));
     w->step();
     EXPECT_GT(w->state(w->bodyAt(pushed)).velocity.z, 2.5);
     EXPECT_GT(w->state(w->bodyAt(lifted)).velocity.z, .5);

@@ -102,7 +102,7 @@ TEST(Refusal, OfEnumerationsThatNameNothing) {
 
 TEST(Refusal, OfForcesAndSettingsThatAreNotFinite) {
   Scene scene = test::tower(2);
-  scene.deformables.push_back(straightRod({3, 0, 1}, {4, 0, 1}, 4));
+  scene.deformables.push_back(straightCable({3, 0, 1}, {4, 0, 1}, 4));
   World world(scene, test::options());
   const std::uint64_t before = world.hash();
   const BodyId body = world.bodyAt(1);
@@ -114,8 +114,8 @@ TEST(Refusal, OfForcesAndSettingsThatAreNotFinite) {
     expectError("torque", [&] { world.applyTorque(body, v); });
     expectError("gravity", [&] { world.setGravity(v); });
     expectError("force", [&] { world.applyVertexForce(world.deformableAt(0), 0, v); });
-    expectError("point", [&] { world.grab(body, v, 1); });
-    if (odd > 0) expectError("frequency", [&] { world.grab(body, {}, 1, odd); });
+    expectError("point", [&] { world.addDragJoint(body, v, 1); });
+    if (odd > 0) expectError("frequency", [&] { world.addDragJoint(body, {}, 1, odd); });
   }
   EXPECT_EQ(world.joints().size(), 0u);
   EXPECT_EQ(world.hash(), before);
@@ -170,7 +170,7 @@ void expectAllOrNothing(const std::string& path, const BodyDef& bad) {
   several[4] = bad;
   expectError(path, [&] { world.addBodies(several); });
   EXPECT_EQ(world.bodies().size(), bodies);
-  EXPECT_THROW(world.find("first"), Error);
+  EXPECT_THROW(world.findBody("first"), Error);
   EXPECT_EQ(world.memoryBytes(), bytes);
   EXPECT_EQ(world.hash(), hash);
   several.pop_back();

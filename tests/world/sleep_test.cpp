@@ -60,7 +60,7 @@ TEST(Sleep, AHitWakesItsIslandAlone) {
   World world = settled();
   BodyDef ball = test::body(Shape::sphere(.3), {-4, 0, 1.5});
   ball.velocity = {8, 0, 2};
-  world.add(ball);
+  world.addBody(ball);
   double far = 0;
   int woken = 0;
   for (int i = 0; i < 60; ++i) {
@@ -75,7 +75,7 @@ TEST(Sleep, AHitWakesItsIslandAlone) {
 
 TEST(Sleep, EndsWhenTheSupportGoes) {
   World world = settled();
-  world.remove(world.bodyAt(1));
+  world.removeBody(world.bodyAt(1));
   test::run(world, 20);
   // free fall of 20 steps of 1/60 s at 10 m/s2: 0.583 m
   EXPECT_LT(world.state(world.bodyAt(3)).position.z, 2.5 - .5);
@@ -84,7 +84,7 @@ TEST(Sleep, EndsWhenTheSupportGoes) {
 
 TEST(Sleep, EndsWhenTheGroundGoes) {
   World world = settled();
-  world.remove(world.bodyAt(0));
+  world.removeBody(world.bodyAt(0));
   test::run(world, 20);
   for (int i = 1; i <= 6; ++i) EXPECT_LT(world.state(world.bodyAt(i)).velocity.z, -2.5) << i;
 }

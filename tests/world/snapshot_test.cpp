@@ -52,18 +52,18 @@ TEST_P(SnapshotOf, BringsBackRemovedBodiesAndForgetsAddedOnes) {
   const Snapshot snapshot = world.snapshot();
   const auto first = hashes(world, 20);
   world.restore(snapshot);
-  const BodyId third = world.find("third");
-  world.remove(third);
+  const BodyId third = world.findBody("third");
+  world.removeBody(third);
   BodyDef sphere = test::body(Shape::sphere(.5), {0, 0, 9});
   for (int i = 0; i < 50; ++i) {
     sphere.position.x = 2. * i;
-    world.add(sphere);
+    world.addBody(sphere);
   }
   world.setGravity({1, 2, 3});
   test::run(world, 10);
   world.restore(snapshot);
   EXPECT_TRUE(world.alive(third));
-  EXPECT_EQ(world.find("third"), third);
+  EXPECT_EQ(world.findBody("third"), third);
   EXPECT_EQ(world.bodies().size(), scene.bodies.size());
   EXPECT_EQ(world.gravity(), scene.gravity);
   EXPECT_EQ(hashes(world, 20), first);

@@ -94,7 +94,7 @@ TEST(Validation, OfEditsWhileRunning) {
   World world(test::tower(2), test::options());
   BodyDef bad = test::unitCube({0, 0, 5});
   bad.velocity.x = kNan;
-  expectError("body.velocity", [&] { world.add(bad); });
+  expectError("body.velocity", [&] { world.addBody(bad); });
   BodyState state = world.state(world.bodyAt(1));
   state.position.x = kNan;
   EXPECT_THROW(world.setState(world.bodyAt(1), state), Error);

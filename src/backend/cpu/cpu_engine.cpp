@@ -1,6 +1,7 @@
 #include "backend/cpu/cpu_engine.h"
 
 #include "stages/pairs/order.h"
+#include "tables/table_check.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -69,6 +70,7 @@ void CpuEngine::takeStep(StepReport& report) {
   endForces(tables());
   settings_.wakeAll = false;
   reportCounters(s, report);
+  RUBBLE_ASSERT_NONE(firstViolation(tables()));
   report.stages = executor_.takeTimes();
   report.grown = executor_.takeGrown();
   arrays_.follow();

@@ -65,7 +65,7 @@ class CpuEngine final : public ObservableEngine {
     loadState(tables(), previousDt_, snapshot.bytes());
   }
   void observe(KernelObserver observer) override { executor_.observe(std::move(observer)); }
-  const SolverData& tablesNow() override { return executor_.view(); }
+  const HostTables& tablesNow() override { return executor_.tables(); }
   HostTables& tables() { return executor_.tables(); }
 
  private:

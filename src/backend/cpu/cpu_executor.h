@@ -63,19 +63,19 @@ class CpuExecutor {
 
   template <class Kernel, class N> void beside(const Kernel& kernel, N n) { forEach(kernel, n); }
 
-  template <class Kernel> void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
+  template <class Kernel> void forEachIn(const Kernel& kernel, Array<int> SolverData::*offsets, int k) {
     const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
     const SolverData& s = view();
     const int begin = (s.*offsets)[k];
     run(s, kernel, (s.*offsets)[k + 1] - begin, [&](int i) { return begin + i; });
   }
 
-  void clear(int* SolverData::*array, int n) {
+  void clear(Array<int> SolverData::*array, int n) {
     std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n));
   }
-  void clear(int* SolverData::*array, int Counters::*n) { clear(array, view().counters->*n); }
+  void clear(Array<int> SolverData::*array, int Counters::*n) { clear(array, view().counters->*n); }
 
-  void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) {
+  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int n) {
     int sum = 0;
     const int* const in = view().*counts;
     int* const out = view().*offsets;
@@ -85,18 +85,19 @@ class CpuExecutor {
     }
     out[n] = sum;
   }
-  void scan(int* SolverData::*counts, int* SolverData::*offsets, int Counters::*n) {
+  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int Counters::*n) {
     scan(counts, offsets, view().counters->*n);
   }
   template <class N>
-  void scan(int* SolverData::*counts, int* SolverData::*offsets, N n, int Counters::*total, Per per) {
+  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, N n, int Counters::*total,
+            Per per) {
     scan(counts, offsets, n);
     view().counters->*total = (view().*offsets)[countOf(n)];
     require(per, total);
   }
 
-  void groupByKey(int* SolverData::*keys, int n, int* SolverData::*offsets, int* SolverData::*order,
-                  int Counters::*keyCount) {
+  void groupByKey(Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
+                  Array<int> SolverData::*order, int Counters::*keyCount) {
     const SolverData& s = view();
     const int count = s.counters->*keyCount;
     int *const offset = s.*offsets, *const to = s.*order;

@@ -16,7 +16,7 @@ RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* a, const T* b, const T* c, const 
   const auto at = [&](const T* p) { return reinterpret_cast<const Real*>(p) + 4 * k; };
   return LaneAccess<Real4>::gatherQuad(at(a), at(b), at(c), at(d));
 }
-template <class T> RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* table, const Lane4& i, int k = 0) {
+template <class T> RUBBLE_NEAR Quad<Real4> gatherNumbers(Array<T> table, const Lane4& i, int k = 0) {
   return gatherNumbers(table + i[0], table + i[1], table + i[2], table + i[3], k);
 }
 RUBBLE_NEAR Vec3T<Real4> vectorOf(const Quad<Real4>& q) { return {q.x, q.y, q.z}; }
@@ -74,7 +74,7 @@ RUBBLE_NEAR bool placeTogether(const SolverData& s, const Lane4& body, const Pos
   const Real4 u2 = dot(q.v, q.v);
   if (!allOf(u2 < LaneAccess<Real4>::splat(kSmallTurn2))) return false;
   const Vec3T<Real4> turn = logOfSmall(q, u2);
-  const auto scatter = [&](auto* table, int k, const Quad<Real4>& v) {
+  const auto scatter = [&]<class T>(Array<T> table, int k, const Quad<Real4>& v) {
     const auto at = [&](int lane) { return reinterpret_cast<Real*>(table + body[lane]) + 4 * k; };
     LaneAccess<Real4>::scatterQuad(at(0), at(1), at(2), at(3), v);
   };

@@ -27,7 +27,9 @@ class HostArrays {
   ArrayView view(StateArray which) {
     const SolverData& s = tables_.view();
     if (s.ordered) return byId_.view(which, s, tables_.bodyIds, gather());
-    return withStateArray(which, [&](auto member) { return rowsOf(s.*member, tables_.bodyIds); });
+    return withStateArray(which, [&](auto member) {
+      return rowsOf(firstOf(s.*member, tables_.bodyIds).data(), tables_.bodyIds);
+    });
   }
   /// Updates the copies after a change of state.
   void follow() {

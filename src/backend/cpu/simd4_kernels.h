@@ -103,7 +103,8 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
                               const Block6T<Real4>& block, const PoseT<Real4>& x) {
     const auto splat = [](Real a) { return LaneAccess<Real4>::splat(a); };
     const Vec6T<Real4> dx = newtonStep(block);
-    if (!areFinite(dx.lin) || !allOf(dot(dx.ang, dx.ang) <= splat(kMostTurn * kMostTurn))) return false;
+    if (!areFinite(dx.lin) || !allOf(dot(dx.ang, dx.ang) <= splat(kLargestRotation * kLargestRotation)))
+      return false;
     const Real4 inverseDt2 = splat(s.step->inverseDt * s.step->inverseDt);
     if (!allOf(isWithinWork(block, inverseDt2 * m.mass, inverseDt2 * m.inertia, dx))) return false;
     const PoseT<Real4> then = retract(x, dx);

@@ -77,7 +77,7 @@ class CudaEngine final : public ObservableEngine, private PoseCopies {
     return runOverlaps(host(), queries);
   }
   void observe(KernelObserver observer) override { stepper_.observe(std::move(observer)); }
-  const SolverData& tablesNow() override;
+  const HostTables& tablesNow() override;
   /// Device memory.
   std::size_t memoryBytes() const override { return stepper_.bytes(); }
   /// With vertices through the host: device snapshots contain only bodies and joints.
@@ -198,7 +198,7 @@ void CudaEngine::step(StepReport& report) {
   report.bodies = bodyCount_;
 }
 
-const SolverData& CudaEngine::tablesNow() {
+const HostTables& CudaEngine::tablesNow() {
   if (!seen_) seen_ = std::make_unique<HostTables>();
   const SolverData& device = stepper_.tables().view();
   for (int k = 0; k < kPerCount; ++k)
@@ -213,9 +213,9 @@ const SolverData& CudaEngine::tablesNow() {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     // rows have memory of their own here
     if constexpr (std::is_same_v<T, ContactRows>) to.contact = seenRows_.data();
-    copy(to.*array.member, device.*array.member, sizeof(T) * elementsWritten(to, array.per));
+    copy(to.*array.member, device.*array.member, sizeof(T) * elementsWritten(*seen_, array.per));
   });
-  return to;
+  return *seen_;
 }
 
 void CudaEngine::sortBodies() {

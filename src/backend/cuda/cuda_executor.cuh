@@ -83,7 +83,7 @@ class CudaExecutor : private KernelLauncher {
     announce(Kernel::kStage, kernelName<Kernel>());
     run(kernel, n);
   }
-  template <class Kernel> void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
+  template <class Kernel> void forEachIn(const Kernel& kernel, Array<int> SolverData::*offsets, int k) {
     announce(Kernel::kStage, kernelName<Kernel>());
     runIn(kernel, offsets, k);
   }
@@ -112,7 +112,7 @@ class CudaExecutor : private KernelLauncher {
     constexpr int kMembersPerElement = 16;
     return blocksFor(view().nodes() / kMembersPerElement + 1, width);
   }
-  template <class Kernel> void runIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
+  template <class Kernel> void runIn(const Kernel& kernel, Array<int> SolverData::*offsets, int k) {
     if (!begins()) return;
     enterStage(Kernel::kStage);
     using Type = DeviceKernel<Kernel>;
@@ -129,7 +129,7 @@ class CudaExecutor : private KernelLauncher {
   void run(const PlaceAggregates& kernel, int Counters::*n) {
     if constexpr (kStrict) run<PlaceAggregates>(kernel, n);
   }
-  void runIn(const SumSlice<Real>& kernel, int* SolverData::*offsets, int level) {
+  void runIn(const SumSlice<Real>& kernel, Array<int> SolverData::*offsets, int level) {
     if constexpr (kStrict)
       runIn<SumSlice<Real>>(kernel, offsets, level);
     else if (sliceWidth(view(), level) == kSmallWidth)
@@ -138,20 +138,20 @@ class CudaExecutor : private KernelLauncher {
       sumLevel<kWarp>(level);
   }
   template <class Kernel>
-  requires(!kStrict && (std::same_as<Kernel, SolveAggregate> ||
-                        std::same_as<Kernel, WithSoftNodes<SolveAggregate>>)) void runIn(const Kernel&,
-                                                                                         int* SolverData::*,
-                                                                                         int) {}
-  void runIn(const MoveSlice&, int* SolverData::*, int level) {
+  requires(!kStrict &&
+           (std::same_as<Kernel, SolveAggregate> ||
+            std::same_as<Kernel, WithSoftNodes<SolveAggregate>>)) void runIn(const Kernel&,
+                                                                             Array<int> SolverData::*, int) {}
+  void runIn(const MoveSlice&, Array<int> SolverData::*, int level) {
     run(MoveNode{level}, view().bodiesMove ? view().bodies : 0);
   }
-  void runIn(const WithSoftNodes<SumSlice<Real>>& kernel, int* SolverData::*offsets, int level) {
+  void runIn(const WithSoftNodes<SumSlice<Real>>& kernel, Array<int> SolverData::*offsets, int level) {
     if constexpr (kStrict)
       runIn<WithSoftNodes<SumSlice<Real>>>(kernel, offsets, level);
     else
       sumLevel<kWarp>(level, true);
   }
-  void runIn(const WithSoftNodes<MoveSlice>&, int* SolverData::*, int level) {
+  void runIn(const WithSoftNodes<MoveSlice>&, Array<int> SolverData::*, int level) {
     run(MoveNode{level, true}, view().bodiesMove ? view().bodies : 0);
   }
 
@@ -229,22 +229,23 @@ class CudaExecutor : private KernelLauncher {
     launchByColor(fillColors<ColoredVertices>, FillVertexColors::kStage, n);
   }
 
-  void clear(int* SolverData::*array, int n) {
+  void clear(Array<int> SolverData::*array, int n) {
     if (begins() && n > 0) launch(FillArray{view().*array, 0}, {n, nullptr}, n, "clear");
   }
-  void clear(int* SolverData::*array, int Counters::*n) {
+  void clear(Array<int> SolverData::*array, int Counters::*n) {
     if (begins()) launch(FillArray{view().*array, 0}, {0, counter(n)}, capacityOf(n), "clear");
   }
 
-  void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) {
+  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int n) {
     scanTo({view().*counts, nullptr, n, n}, view().*offsets);
   }
   /// Offsets beyond the last element also receive the total.
-  void scan(int* SolverData::*counts, int* SolverData::*offsets, int Counters::*n) {
+  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int Counters::*n) {
     scanTo({view().*counts, counter(n), 0, capacityOf(n)}, view().*offsets);
   }
   template <class N>
-  void scan(int* SolverData::*counts, int* SolverData::*offsets, N n, int Counters::*total, Per per) {
+  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, N n, int Counters::*total,
+            Per per) {
     const int limit = limitOf(n);
     scan(counts, offsets, n);
     perOf_[indexOf(total)] = static_cast<int>(per);
@@ -254,8 +255,8 @@ class CudaExecutor : private KernelLauncher {
   }
 
   /// A stable sort. Skipped keys come after the last valid one.
-  void groupByKey(int* SolverData::*keys, int n, int* SolverData::*offsets, int* SolverData::*order,
-                  int Counters::*keyCount) {
+  void groupByKey(Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
+                  Array<int> SolverData::*order, int Counters::*keyCount) {
     grouped_ = std::max(grouped_, n);
     if (!begins()) return;
     if (n > 0) {

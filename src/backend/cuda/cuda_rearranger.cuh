@@ -32,8 +32,8 @@ class CudaRearranger {
 
   const SolverData& view() const { return executor_.view(); }
   template <class Kernel> void forEach(const Kernel& kernel, int n) { executor_.forEach(kernel, n); }
-  void clear(int* SolverData::*array, int n) { executor_.clear(array, n); }
-  void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) {
+  void clear(Array<int> SolverData::*array, int n) { executor_.clear(array, n); }
+  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int n) {
     executor_.scan(counts, offsets, n);
   }
   void aliasRows() { executor_.aliasRows(); }

@@ -312,8 +312,8 @@ void Mirror::sendEdits() {
       packet.setSlots(slots);
       packet.add(array);
     };
-    send(joints_[kType], static_cast<Joint<F> * SolverData::*>(&JointTable<F>::joint));
-    send(specs_[kType], static_cast<JointSpec<F> * SolverData::*>(&JointTable<F>::spec));
+    send(joints_[kType], static_cast<Array<Joint<F>> SolverData::*>(&JointTable<F>::joint));
+    send(specs_[kType], static_cast<Array<JointSpec<F>> SolverData::*>(&JointTable<F>::spec));
   });
   // a body that was set afterwards keeps the velocity of that call
   std::size_t kept = 0;

@@ -44,7 +44,7 @@ template <class T> void Mirror::download(const ArrayInfo<T>& array, int count) {
 
 void Mirror::fetchStates() {
   flush();
-  forEachMotionArray([&]<class T>(T* SolverData::*array) {
+  forEachMotionArray([&]<class T>(Array<T> SolverData::*array) {
     download(ArrayInfo<T>{array, "", "", Per::Body, Lifetime::State}, host_.view().bodies);
   });
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");

@@ -18,7 +18,7 @@ class Packet {
     slotsAt_ = append(slots);
   }
   /// Adds the elements of an array at the slots.
-  template <class T> void add(T* SolverData::*array) {
+  template <class T> void add(Array<T> SolverData::*array) {
     static_assert(sizeof(T) % sizeof(int) == 0 && alignof(T) <= kAlign);
     const int count = static_cast<int>(slots_->size());
     elements_.push_back({host_.*array, device_.*array, slots_, slotsAt_, reserve(slots_->size() * sizeof(T)),

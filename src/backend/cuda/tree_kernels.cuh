@@ -160,7 +160,7 @@ struct AssembleTreeJointsByTile {
           joint = own.of(next, tile);
           until = __shfl_sync(tile.mask, last, next, kWidth);
         }
-        part[u] = joint.carried() ? read<4>(joint, tile) : read<2>(joint, tile);
+        part[u] = joint.hasFrameBodies() ? read<4>(joint, tile) : read<2>(joint, tile);
         sides[u] = joint.sides;
       }
 #pragma unroll
@@ -175,17 +175,17 @@ struct AssembleTreeJointsByTile {
     const char* part;
     int parts;
     unsigned sides;
-    __device__ JointOfLane(const char* at = nullptr, int count = 0, bool isCarried = false, int own = 0,
+    __device__ JointOfLane(const char* at = nullptr, int count = 0, bool hasFrameBodies = false, int own = 0,
                            const TreeCoupling& to = {{-1, -1}})
         : part(at),
           parts(count),
           sides(static_cast<unsigned>(own | (to.side[0] + 1) << 2 | (to.side[1] + 1) << 5 |
-                                      (isCarried ? 1 << 8 : 0))) {}
+                                      (hasFrameBodies ? 1 << 8 : 0))) {}
     __device__ int side() const { return static_cast<int>(sides & 3); }
     __device__ static int farOf(unsigned sides, int t) {
       return static_cast<int>(sides >> (2 + 3 * t) & 7) - 1;
     }
-    __device__ bool carried() const { return sides >> 8 != 0; }
+    __device__ bool hasFrameBodies() const { return sides >> 8 != 0; }
     /// The value of another lane.
     __device__ JointOfLane of(int lane, const Tile<kWidth>& tile) const {
       JointOfLane other;
@@ -205,12 +205,12 @@ struct AssembleTreeJointsByTile {
         return;
       const int side = jointSide<F>(incidence.code);
       TreeCoupling to{{-1, -1}};
-      if constexpr (isCarried<F>())
+      if constexpr (hasFrameBodies<F>())
         to = couplingOf<F>(s, node, incidence);
       else
         noteCoupling(node, 1 - side, far, to);
       joint = {reinterpret_cast<const char*>(s.treeRowsOf<F>()[jointIndex<F>(incidence.code)].part),
-               F::Parts::kCount, isCarried<F>(), side, to};
+               F::Parts::kCount, hasFrameBodies<F>(), side, to};
     });
     return joint;
   }
@@ -325,7 +325,7 @@ struct SubstituteNodeByTile {
     if (i < 6) w.x.v[i] = x;
     Long6 all;
     for (int j = 0; j < 6; ++j) all.v[j] = __shfl_sync(tile.mask, x, j, kWidth);
-    if (i == 0) SubstituteNode::noteTurn(s, node.tree, all);
+    if (i == 0) SubstituteNode::noteRotation(s, node.tree, all);
   }
 };
 template <> struct OnDevice<SubstituteNode> { using Type = SubstituteNodeByTile; };

@@ -113,11 +113,11 @@ class LockstepEngine final : public Engine {
   /// Within a stage the order of elements may differ, if a later kernel of it sorts them. A difference counts
   /// if it is there at the end of the stage, and has the kernel after which its table differed first.
   void compare(bool stageEnds) {
-    const SolverData &s = a_.engine->tablesNow(), &t = b_.engine->tablesNow();
+    const HostTables &s = a_.engine->tablesNow(), &t = b_.engine->tablesNow();
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
       if (!difference_.empty() || array.life == Lifetime::Unordered) return;
-      const T *p = s.*array.member, *q = t.*array.member;
-      const std::size_t n = elementsWritten(s, array.per);
+      const T *p = s.view().*array.member, *q = t.view().*array.member;
+      const std::size_t n = std::min(elementsWritten(s, array.per), elementsWritten(t, array.per));
       if (!p || !q || std::memcmp(p, q, n * sizeof(T)) == 0) return;
       const std::string& kernel = firstKernel_.try_emplace(array.name, a_.kernel).first->second;
       if (!stageEnds) return;

@@ -53,7 +53,7 @@ struct ContactBlocks {
 };
 template <class F> struct JointBlocks {
   static constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
-  static constexpr bool kRelative = !F::kGrounded && !isCarried<F>();
+  static constexpr bool kRelative = !F::kGrounded && !hasFrameBodies<F>();
   RUBBLE_HD static BlockBodies bodies(const SolverData& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     return {spec.a, spec.b, s.jointsOf<F>()[i].active != 0};
@@ -62,7 +62,7 @@ template <class F> struct JointBlocks {
   template <class Visit> RUBBLE_HD static void visitIncidences(const SolverData& s, int i, Visit&& visit) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     if (!s.jointsOf<F>()[i].active) return;
-    if constexpr (isCarried<F>()) {
+    if constexpr (hasFrameBodies<F>()) {
       const auto takesPart = [&](int side) {
         return isDynamic(s, bodyOf(spec, side)) && isFirstSide(spec, side);
       };

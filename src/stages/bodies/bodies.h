@@ -96,15 +96,15 @@ RUBBLE_HD inline Vec3d jointOrigin(const SolverData& s, int body) {
 /// Pose of side A or B of a joint at the present iterate, with the pose of its frame body if it has one.
 template <class F>
 RUBBLE_HD SidePose<F> poseOfA(const SolverData& s, const JointSpec<F>& spec, const Joint<F>& joint) {
-  if constexpr (isCarried<F>())
-    return {jointPose(s, spec.a, joint.offset), jointPose(s, spec.carrierA, joint.offsetCarrierA)};
+  if constexpr (hasFrameBodies<F>())
+    return {jointPose(s, spec.a, joint.offset), jointPose(s, spec.frameBodyA, joint.offsetFrameA)};
   else
     return jointPose(s, spec.a, joint.offset);
 }
 template <class F>
 RUBBLE_HD SidePose<F> poseOfB(const SolverData& s, const JointSpec<F>& spec, const Joint<F>& joint) {
-  if constexpr (isCarried<F>())
-    return {jointPose(s, spec.b, {0, 0, 0}), jointPose(s, spec.carrierB, joint.offsetCarrierB)};
+  if constexpr (hasFrameBodies<F>())
+    return {jointPose(s, spec.b, {0, 0, 0}), jointPose(s, spec.frameBodyB, joint.offsetFrameB)};
   else
     return jointPose(s, spec.b, {0, 0, 0});
 }
@@ -122,7 +122,7 @@ RUBBLE_HD RUBBLE_NEAR Pose poseSinceStart(const SolverData& s, int body) {
 struct Pivot {
   const PivotFrame* frame;
   const GroupRows<AnchorRows::kRows>* anchors;
-  const TurnsFrom* from;
+  const AngularOrigin* from;
   const AngularRows* laws;
 };
 template <class F> RUBBLE_HD RUBBLE_NEAR Pivot pivotOf(const SolverData& s, int index) {
@@ -151,14 +151,14 @@ RUBBLE_HD RUBBLE_NEAR void accumulatePivotOfBody(const SolverData& s, const Pivo
   const auto& frame = loadVectorized(*pivot.frame);
   const auto& anchors = loadVectorized(*pivot.anchors);
   const Pose a = poseSinceStart(s, frame.end[0].body), b = poseSinceStart(s, frame.end[1].body);
-  TurnStream<ahead> turns(pivot.laws ? frame.acting : 0, pivot.from, pivot.laws);
+  AngularRowStream<ahead> turns(pivot.laws ? frame.acting : 0, pivot.from, pivot.laws);
   accumulatePivot(frame, anchors, turns, a, b, side, block, shift(frame.end[side].body));
 }
 /// Adds a joint of any type to the block of one of its bodies. `shift` leads from the reference point of the
 /// block to the center of the body.
 template <class F>
-RUBBLE_HD RUBBLE_APART void accumulateJointOfBody(const SolverData& s, int index, int side, Block6& block,
-                                                  const Vec3& shift) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE void accumulateJointOfBody(const SolverData& s, int index, int side,
+                                                        Block6& block, const Vec3& shift) {
   if constexpr (isPivot<F>()) {
     accumulatePivotOfBody<false>(s, pivotOf<F>(s, index), side, block, [&](int) { return shift; });
   } else {
@@ -246,8 +246,8 @@ RUBBLE_HD inline void addJoint(const SolverData& s, std::uint32_t code, Block6& 
 }
 /// The same with one code path for all anchored joints: lanes of a warp with different joint types stay
 /// converged and issue their loads together.
-RUBBLE_HD RUBBLE_APART inline void addPivot(const SolverData& s, const Pivot& pivot, int side,
-                                            Block6& block) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline void addPivot(const SolverData& s, const Pivot& pivot, int side,
+                                                  Block6& block) {
   accumulatePivotOfBody<true>(s, pivot, side, block, [](int) { return Vec3{0, 0, 0}; });
 }
 RUBBLE_HD inline void addJointUniform(const SolverData& s, std::uint32_t code, Block6& block) {

@@ -87,7 +87,8 @@ RUBBLE_HD inline bool leavesColor(const SolverData& s, int i, bool mayGoDown, in
   return around.clashes || (mayGoDown && goesDown(around, s.color[i], next));
 }
 /// The same for a vertex.
-RUBBLE_HD RUBBLE_APART inline bool vertexLeavesColor(const SolverData& s, int v, bool mayGoDown, int& next) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline bool vertexLeavesColor(const SolverData& s, int v, bool mayGoDown,
+                                                           int& next) {
   const auto neighbors = [&](auto&& visit) { visitNeighbors(s, v, visit); };
   const Surroundings around = lookAround(s, kVertexNode + v, neighbors);
   if (around.clashes) next = smallestFreeColor(s, neighbors);

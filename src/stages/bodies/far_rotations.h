@@ -37,7 +37,7 @@ RUBBLE_HD inline bool isHeldAtRest(const SolverData& s, int i) {
 }
 
 /// Share of its velocities that a body at orientation q keeps [1].
-RUBBLE_HD RUBBLE_APART inline Real keptMotion(const SolverData& s, int i, Quat q, Vec3 v, Vec3 w) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Real keptMotion(const SolverData& s, int i, Quat q, Vec3 v, Vec3 w) {
   if (!isHeldAtRest(s, i)) return 1;
   const Vec3 principal = s.params[i].inertia;
   const Real mass = s.params[i].mass;

@@ -156,8 +156,8 @@ RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregat
 }
 
 /// Adds an attachment to, or a contact with, vertices outside of the aggregate.
-RUBBLE_HD RUBBLE_APART inline void addBoundarySoftRows(const SolverData& s, int aggregate, std::uint32_t code,
-                                                       Block6& sum) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline void addBoundarySoftRows(const SolverData& s, int aggregate,
+                                                             std::uint32_t code, Block6& sum) {
   const int type = constraintType(code);
   if (type != kBodyAttachmentType && type != kBodyPointContactType) return;
   Block6 own;
@@ -171,7 +171,8 @@ RUBBLE_HD RUBBLE_APART inline void addBoundarySoftRows(const SolverData& s, int 
 /// of the aggregate and is added at the first of these sides, or not at all if all sides belong to g. Returns
 /// false if only this body belongs to g.
 template <class F>
-RUBBLE_HD RUBBLE_APART bool addSharedJoint(const SolverData& s, int g, int index, int side, Block6& sum) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE bool addSharedJoint(const SolverData& s, int g, int index, int side,
+                                                 Block6& sum) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
   const Aggregate& aggregate = s.aggregate[g];
   const int own = bodyOf(spec, side);
@@ -201,15 +202,15 @@ RUBBLE_HD inline void addBoundaryJoint(const SolverData& s, int aggregate, std::
     if (constraintType(code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(code)) return;
     const int side = jointSide<F>(code), index = jointIndex<F>(code);
     const JointSpec<F>& spec = s.specsOf<F>()[index];
-    if constexpr (isCarried<F>())
+    if constexpr (hasFrameBodies<F>())
       if (addSharedJoint<F>(s, aggregate, index, side, sum)) return;
     accumulateJointOfBody<F>(s, index, side, sum, shiftOf(s, s.aggregate[aggregate], bodyOf(spec, side)));
   });
   addBoundarySoftRows(s, aggregate, code, sum);
 }
 /// As addPivot.
-RUBBLE_HD RUBBLE_APART inline void addBoundaryPivot(const SolverData& s, int aggregate, const Pivot& pivot,
-                                                    int side, Block6& sum) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline void addBoundaryPivot(const SolverData& s, int aggregate,
+                                                          const Pivot& pivot, int side, Block6& sum) {
   accumulatePivotOfBody<false>(s, pivot, side, sum,
                                [&](int body) { return shiftOf(s, s.aggregate[aggregate], body); });
 }
@@ -222,8 +223,8 @@ RUBBLE_HD inline void addBoundaryJointUniform(const SolverData& s, int aggregate
 }
 
 /// Adds every `stride`-th soft node of the range [k, end).
-RUBBLE_HD RUBBLE_APART inline void addSoftNodes(const SolverData& s, int k, int end, int stride,
-                                                Block6& sum) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline void addSoftNodes(const SolverData& s, int k, int end, int stride,
+                                                      Block6& sum) {
   for (; k < end; k += stride) {
     if (s.aggregateNode[k] < s.bodies) continue;
     const Block3& own = s.softNodeSum[s.aggregateNode[k] - s.bodies];

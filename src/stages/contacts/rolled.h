@@ -9,8 +9,8 @@ namespace rubble::RUBBLE_CORE {
 inline constexpr Real kUnrolled2 = Real(1e-4);
 
 /// As sweptBy(), for rotations above that threshold.
-RUBBLE_HD RUBBLE_APART inline Vec3 rolledBy(const SolverData& s, int body, Vec3 dw, Quat turn, Vec3 r,
-                                            Vec3 out) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 rolledBy(const SolverData& s, int body, Vec3 dw, Quat turn, Vec3 r,
+                                                  Vec3 out) {
   const ShapeData& shape = s.params[body].shape;
   // round shapes are offsets by `radius` of a point, segment or polyhedron
   const Vec3 round = shape.radius * out, core = r - round;

@@ -39,7 +39,7 @@ inline constexpr int kJoined = 2;  ///< there are joints, which may have springs
 /// Does a joint act on a body outside the forest, or on the world?
 template <class F> RUBBLE_HD bool isJointHeld(const SolverData& s, std::uint32_t code) {
   if constexpr (F::kGrounded) return true;
-  if constexpr (isCarried<F>()) {
+  if constexpr (hasFrameBodies<F>()) {
     const JointSpec<F>& spec = s.specsOf<F>()[jointIndex<F>(code)];
     for (int side = 0; side < kSides<F>; ++side)
       if (!isDynamic(s, bodyOf(spec, side))) return true;

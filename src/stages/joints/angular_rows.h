@@ -29,10 +29,10 @@ template <class F> struct LinearizeAngularRows {
       JointAngularRows<F>& turns = s.angularRowsOf<F>()[at.joint];
       if (at.part == 0) turns.from = turnsFrom(turnedA, turnedB);
       forEachPart<F>([&]<int I, class P>() {
-        if constexpr (isTurn<F, P>())
-          for (int k = 0; I == at.part && k < turnLaws<F, P>(); ++k)
-            storeVectorized(turns.law[firstTurnLaw<F, I>() + k], [&](AngularRows& rows) {
-              return linearizeTurn<F, I, P>(spec, joint, a, b, turnedB, k, rows);
+        if constexpr (isAngular<F, P>())
+          for (int k = 0; I == at.part && k < angularLaws<F, P>(); ++k)
+            storeVectorized(turns.law[firstAngularLaw<F, I>() + k], [&](AngularRows& rows) {
+              return linearizeAngularRow<F, I, P>(spec, joint, a, b, turnedB, k, rows);
             });
       });
     }

@@ -41,11 +41,11 @@ template <class F> struct BeginJoints {
                                                                      : finestSharedLevel(s, spec.a, spec.b);
     const Vec3d origin = jointOrigin(s, spec.b);
     const Vec3 offset(jointOrigin(s, spec.a) - origin);
-    if constexpr (isCarried<F>()) {
+    if constexpr (hasFrameBodies<F>()) {
       const auto offsetOf = [&](int body) {
         return body == kWorldBody ? Vec3{0, 0, 0} : Vec3(s.position[body] - origin);
       };
-      joint.offsetCarrierA = offsetOf(spec.carrierA), joint.offsetCarrierB = offsetOf(spec.carrierB);
+      joint.offsetFrameA = offsetOf(spec.frameBodyA), joint.offsetFrameB = offsetOf(spec.frameBodyB);
     }
     const auto radius = [&](int body) {
       return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic ? s.params[body].radius : Real(0);
@@ -53,9 +53,9 @@ template <class F> struct BeginJoints {
     const Real ra = radius(spec.a), rb = radius(spec.b);
     joint.length = 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
     SidePose<F> a, b;
-    if constexpr (isCarried<F>()) {
-      a = {stillPose(s, spec.a, offset), stillPose(s, spec.carrierA, joint.offsetCarrierA)};
-      b = {stillPose(s, spec.b, {0, 0, 0}), stillPose(s, spec.carrierB, joint.offsetCarrierB)};
+    if constexpr (hasFrameBodies<F>()) {
+      a = {stillPose(s, spec.a, offset), stillPose(s, spec.frameBodyA, joint.offsetFrameA)};
+      b = {stillPose(s, spec.b, {0, 0, 0}), stillPose(s, spec.frameBodyB, joint.offsetFrameB)};
     } else {
       a = stillPose(s, spec.a, offset), b = stillPose(s, spec.b, {0, 0, 0});
     }

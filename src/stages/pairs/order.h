@@ -211,8 +211,8 @@ template <class F> struct RenumberJoints {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     JointSpec<F>& joint = s.specsOf<F>()[i];
     joint.a = places.of(joint.a), joint.b = places.of(joint.b);
-    if constexpr (isCarried<F>())
-      joint.carrierA = places.of(joint.carrierA), joint.carrierB = places.of(joint.carrierB);
+    if constexpr (hasFrameBodies<F>())
+      joint.frameBodyA = places.of(joint.frameBodyA), joint.frameBodyB = places.of(joint.frameBodyB);
   }
 };
 
@@ -273,9 +273,9 @@ template <class E> void sortBodies(E& e, int pairs) {
       static_cast<int>(most * static_cast<std::size_t>(bodies) / sizeof(Line)) + 1);
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (!followsBodies(array)) return;
-    T* const moved = static_cast<T*>(aside);
-    e.forEach(TakeElements<T>{moved, e.view().*array.member, places.from}, bodies);
-    e.copy(e.view().*array.member, moved, bodies);
+    T *const moved = static_cast<T*>(aside), *const elements = e.view().*array.member;
+    e.forEach(TakeElements<T>{moved, elements, places.from}, bodies);
+    e.copy(elements, moved, bodies);
   });
   e.forEach(NumberPlaces{places}, bodies);
   e.forEach(RenumberPlanes{places}, e.view().planes);

@@ -13,7 +13,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Rotational Hessian added about every axis, over the trace of the cluster's own [1].
-inline constexpr Real kLeastTurn = Real(.01);
+inline constexpr Real kLeastRotation = Real(.01);
 
 /// Center and mean velocity of each of the finest clusters: at x^t, and again at the initial guess.
 struct PlaceClusters {
@@ -181,7 +181,7 @@ struct SolveCluster {
   RUBBLE_HD static Vec6 stepOf(Block6& block) {
     // Collinear vertices do not resist a rotation about their line. Every axis gets a small share of the
     // trace.
-    const Real least = kLeastTurn * (block.aa.xx + block.aa.yy + block.aa.zz);
+    const Real least = kLeastRotation * (block.aa.xx + block.aa.yy + block.aa.zz);
     block.aa.xx += least, block.aa.yy += least, block.aa.zz += least;
     return aggregateStep(block);
   }

@@ -32,7 +32,7 @@ RUBBLE_HD inline Vec3 pointDisplacement(const SolverData& s, const PointContact&
 RUBBLE_HD inline bool active(const SolverData&, const Attachment& a) { return a.alive && !a.broken; }
 
 /// Adds an attachment or contact of vertices to the block of its body.
-RUBBLE_HD RUBBLE_APART inline void addSoftRows(const SolverData& s, std::uint32_t code, Block6& block) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline void addSoftRows(const SolverData& s, std::uint32_t code, Block6& block) {
   if (constraintType(code) == kBodyAttachmentType) {
     const Attachment& a = s.attachment[constraintIndex(code)];
     a.accumulateBody(bodyMove(s, a), movedSum(s, a), block);

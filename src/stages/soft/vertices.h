@@ -166,7 +166,7 @@ RUBBLE_HD inline void addTetraCorner(const SolverData& s, const TetraCorner& cor
 /// Initial multiplier of an attachment. A compliant attachment starts with its own load K C. A hard one
 /// starts with the force that holds its vertices against their elements, sum c_i f_i / sum c_i^2. A
 /// pre-stretched object therefore pulls from the first step on.
-RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const SolverData& s, const Attachment& a, const Vec3& gap) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 newLoad(const SolverData& s, const Attachment& a, const Vec3& gap) {
   if (a.compliance > Real(0)) return gap / a.compliance;
   Vec3 force{0, 0, 0};
   Real weight = 0;

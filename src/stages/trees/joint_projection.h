@@ -27,7 +27,8 @@ inline constexpr Real kOpenGap = Real(1e-3);
 /// Distance of the anchors of a joint at the end of the step, less the part of the initial gap that the step
 /// leaves uncorrected [m]. 0 for joints that do not hold their anchors, or whose force is at its bound.
 template <class F>
-RUBBLE_HD RUBBLE_APART Vec3 addedGap(const SolverData& s, const JointSpec<F>& spec, const Joint<F>& joint) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE Vec3 addedGap(const SolverData& s, const JointSpec<F>& spec,
+                                           const Joint<F>& joint) {
   Vec3 gap{0, 0, 0};
   forEachPart<F>([&]<int I, class P>() {
     if constexpr (std::is_same_v<P, AnchorRows>) {
@@ -102,7 +103,7 @@ struct AssembleLinks {
       for (int k = s.incidenceOffset[node.body]; k < s.incidenceOffset[node.body + 1]; ++k) {
         const std::uint32_t code = s.incidence[k].code;
         forEachType(JointTypes{}, [&]<class F>() {
-          if constexpr (!isCarried<F>())
+          if constexpr (!hasFrameBodies<F>())
             if (constraintType(code) == typeIndex<F>(JointTypes{}) + 1)
               accumulateGap<F>(s, node, jointIndex<F>(code), jointSide<F>(code), link);
         });
@@ -169,7 +170,7 @@ RUBBLE_HD inline Real roomBefore(const SolverData& s, const ContactRows& r) {
 }
 
 /// Clips a translation of a body by its contacts so that it does not enter what it touches.
-RUBBLE_HD RUBBLE_APART inline Vec3 keptOut(const SolverData& s, int body, Vec3 way) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 keptOut(const SolverData& s, int body, Vec3 way) {
   constexpr int kPasses = 2;                    // sliding along one contact may run into another
   const Real slack = Real(1e-4) * length(way);  // above the round-off of the subtraction
   for (int pass = 0; pass <= kPasses; ++pass)

@@ -119,7 +119,7 @@ template <class F>
 RUBBLE_HD TreeCoupling couplingOf(const SolverData& s, const TreeNode& node, const Incidence& incidence) {
   TreeCoupling to{{-1, -1}};
   const int side = jointSide<F>(incidence.code);
-  if constexpr (isCarried<F>()) {
+  if constexpr (hasFrameBodies<F>()) {
     const JointSpec<F>& spec = s.specsOf<F>()[jointIndex<F>(incidence.code)];
     for (int other = 0; other < kSides<F>; ++other) {
       const int body = bodyOf(spec, other);
@@ -132,8 +132,8 @@ RUBBLE_HD TreeCoupling couplingOf(const SolverData& s, const TreeNode& node, con
   return to;
 }
 template <class F>
-RUBBLE_HD RUBBLE_APART void accumulateJointOfNode(const SolverData& s, int n, const Incidence& incidence,
-                                                  TreeBlock& w) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE void accumulateJointOfNode(const SolverData& s, int n,
+                                                        const Incidence& incidence, TreeBlock& w) {
   accumulateTreeRows<F>(s.treeRowsOf<F>()[jointIndex<F>(incidence.code)], jointSide<F>(incidence.code),
                         couplingOf<F>(s, s.treeNode[n], incidence), w.h, w.x, w.e);
 }
@@ -255,23 +255,23 @@ struct SubstituteNode {
       for (int i = 0; i < 6; ++i)
         for (int j = 0; j < 6; ++j) w.x.v[i] -= w.w[t].m[i][j] * x.v[j];
     }
-    noteTurn(s, node.tree, w.x);
+    noteRotation(s, node.tree, w.x);
   }
-  RUBBLE_HD static void noteTurn(const SolverData& s, int tree, const Long6& x) {
+  RUBBLE_HD static void noteRotation(const SolverData& s, int tree, const Long6& x) {
     const Vec6 dx = shorter(x, 1);
     const bool finite = isFinite(dx.lin) && isFinite(dx.ang);
-    atomicRaise(&s.treeMaxRotation[tree], floatBits(finite ? length(dx.ang) : kNoTurn));
+    atomicRaise(&s.treeMaxRotation[tree], floatBits(finite ? length(dx.ang) : kNoRotation));
   }
   /// Stands for a step that is not finite; larger than any rotation [rad].
-  static constexpr Real kNoTurn = Real(1e30);
+  static constexpr Real kNoRotation = Real(1e30);
 };
 
-/// Share of its step that a tree takes [1]: no body rotates by more than kMostTurn, and a step that is not
-/// finite is rejected.
+/// Share of its step that a tree takes [1]: no body rotates by more than kLargestRotation, and a step that is
+/// not finite is rejected.
 RUBBLE_HD inline double treeShare(int turnBits) {
   const double turn = static_cast<double>(fromFloatBits(turnBits));
-  if (turn >= .5 * static_cast<double>(SubstituteNode::kNoTurn)) return 0;
-  return turn > static_cast<double>(kMostTurn) ? static_cast<double>(kMostTurn) / turn : 1;
+  if (turn >= .5 * static_cast<double>(SubstituteNode::kNoRotation)) return 0;
+  return turn > static_cast<double>(kLargestRotation) ? static_cast<double>(kLargestRotation) / turn : 1;
 }
 
 /// Applies the steps of the bodies.
@@ -310,7 +310,7 @@ template <class F> struct TakeTreeForces {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
     // couplings with frame bodies are not held exactly, so the tree finds no multipliers for them
-    if (isCarried<F>() || !s.jointsOf<F>()[at.joint].active) return;
+    if (hasFrameBodies<F>() || !s.jointsOf<F>()[at.joint].active) return;
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
     const int a = movingNode(s, spec.a), b = movingNode(s, spec.b), any = a >= 0 ? a : b;
     if (any < 0 || !isExact(s, s.treeNode[any]) || s.treeConverged[s.treeNode[any].tree]) return;

@@ -12,7 +12,7 @@ namespace {
 
 using namespace checks;
 
-void check(const Scene& scene, const SegmentRodDef& rod, const std::string& path) {
+void check(const Scene& scene, const RodDef& rod, const std::string& path) {
   if (rod.points.size() < 2) throw Error(path + ".points", "two at least", std::to_string(rod.points.size()));
   for (std::size_t i = 0; i < rod.points.size(); ++i) {
     const Vec3& x = rod.points[i];
@@ -38,7 +38,7 @@ void check(const Scene& scene, const SegmentRodDef& rod, const std::string& path
 struct Section {
   double stretch, shear, twist, bend;  ///< [N], [N], [N m2], [N m2]
 
-  explicit Section(const SegmentRodDef& rod) {
+  explicit Section(const RodDef& rod) {
     const double area = std::numbers::pi * rod.radius * rod.radius,
                  second = area * rod.radius * rod.radius / 4, nu = rod.poissonRatio;
     const double shearModulus = rod.youngsModulus / (2 * (1 + nu)), kappa = 6 * (1 + nu) / (7 + 6 * nu);
@@ -49,11 +49,11 @@ struct Section {
 
 }  // namespace
 
-SegmentRod addRod(Scene& scene, const SegmentRodDef& rod, const std::string& path) {
+RodParts addRod(Scene& scene, const RodDef& rod, const std::string& path) {
   check(scene, rod, path);
   const Section section(rod);
-  SegmentRod out{static_cast<int>(scene.bodies.size()), static_cast<int>(rod.points.size()) - 1,
-                 static_cast<int>(scene.joints.size()), 0};
+  RodParts out{static_cast<int>(scene.bodies.size()), static_cast<int>(rod.points.size()) - 1,
+               static_cast<int>(scene.joints.size()), 0};
   const auto pieceOf = [&](int i) {
     return rod.points[static_cast<std::size_t>(i) + 1] - rod.points[static_cast<std::size_t>(i)];
   };

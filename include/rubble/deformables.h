@@ -40,9 +40,9 @@ struct DeformableDef {
 };
 
 /// A tetrahedral solid with the stable neo-Hookean energy.
-struct SoftDef : DeformableDef {
+struct TetSolidDef : DeformableDef {
   /// Without self-collision: the elastic volume resists it, and a folded surface must be free to unfold.
-  SoftDef() { collideSelf = false; }
+  TetSolidDef() { collideSelf = false; }
   /// Positive volume at rest: vertex 3 lies on the side that (1 - 0) x (2 - 0) points to.
   std::vector<std::array<int, 4>> tetrahedra;
   double youngsModulus = 1e5;  ///< [Pa]
@@ -74,7 +74,7 @@ struct ClothDef : DeformableDef {
 };
 
 /// A cable: a polyline that resists stretch and bending, straight at rest, without twist.
-struct RodDef : DeformableDef {
+struct CableDef : DeformableDef {
   bool closed = false;               ///< closed ring
   double radius = .01;               ///< of the circular section, also for contacts [m]
   double youngsModulus = 1e7;        ///< [Pa]
@@ -107,7 +107,7 @@ struct ParticlesDef : DeformableDef {
   double density = 1500;  ///< [kg/m3]
 };
 
-using Deformable = std::variant<SoftDef, ClothDef, RodDef, NetDef, ParticlesDef>;
+using Deformable = std::variant<TetSolidDef, ClothDef, CableDef, NetDef, ParticlesDef>;
 
 /// A constraint between a weighted mean of vertices and a point of a body, a point of the world, or another
 /// such mean (a seam, vertex-vertex attachment).
@@ -135,15 +135,15 @@ inline DeformableDef& common(Deformable& d) {
 }
 
 /// A box of cells with six tetrahedra each. `corner` is its lowest corner.
-SoftDef softBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells);
+TetSolidDef tetBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells);
 /// A ball of tetrahedra: a cube of `cells` cells per edge (at least 2), mapped to a ball. No tetrahedron has
 /// all four corners on the surface.
-SoftDef softBall(const Vec3& centre, double radius, int cells);
+TetSolidDef tetBall(const Vec3& center, double radius, int cells);
 /// Cloth of cells with two triangles each: corner + s u + t v, s and t from 0 to 1. Vertex (i, j) has index i
 /// + j (cellsU + 1).
 ClothDef clothSheet(const Vec3& corner, const Vec3& u, const Vec3& v, int cellsU, int cellsV);
 /// A straight cable.
-RodDef straightRod(const Vec3& from, const Vec3& to, int segments);
+CableDef straightCable(const Vec3& from, const Vec3& to, int segments);
 
 /// Throws Error with the path of the first invalid field ("deformables[2].tetrahedra[17]").
 void validate(const Deformable& deformable, const std::string& path);

@@ -1,0 +1,12 @@
+#pragma once
+/// Invariants of the tables between steps. Checked builds and fuzzers test them after each step.
+#include <string>
+
+#include "tables/host_tables.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// The first invariant that the tables violate after a step, with table and element, or "".
+std::string firstViolation(const HostTables& tables);
+
+}  // namespace rubble::RUBBLE_CORE
