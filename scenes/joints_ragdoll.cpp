@@ -125,7 +125,7 @@ Probes ragdollProbes(const Arguments&, const Scene&) {
     for (const BodyId id : world.bodies())
       if (world.definition(id).motion == Motion::Dynamic)
         lowest = std::min(lowest, world.state(id).position.z);
-    metrics["lowest_centre_m"] = lowest;
+    metrics["lowest_center_m"] = lowest;
   }));
   return probes;
 }
@@ -134,7 +134,7 @@ std::vector<Claim> ragdollClaims(const Arguments&) {
           atMost("joint_gap_peak_m", .04, "and never opens far"),
           atMost("joint_angle_peak_deg", 12, "limits hold in the fall"),
           atMost("max_speed_m_s", .5, "they come to rest"),
-          atLeast("lowest_centre_m", .03, "no body is in the ground"),
+          atLeast("lowest_center_m", .03, "no body is in the ground"),
           atMost("quarantined", 0, "every state stays finite")};
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #if defined(RUBBLE_CHECKED)
 #define RUBBLE_ASSERT(condition) \
@@ -29,6 +30,11 @@ namespace rubble {
   std::abort();
 }
 
+[[noreturn]] inline void indexFailed(std::ptrdiff_t index, std::ptrdiff_t length) {
+  std::fprintf(stderr, "index %td of an array of %td elements\n", index, length);
+  std::abort();
+}
+
 /// A pointer and the length of its array. The length of a pointer that is set alone is unknown.
 template <class T> class CheckedArray {
  public:
@@ -36,7 +42,8 @@ template <class T> class CheckedArray {
   operator T*() const { return data_; }
   template <class I>
   requires std::is_integral_v<I> T& operator[](I i) const {
-    RUBBLE_ASSERT(static_cast<std::ptrdiff_t>(i) >= 0 && static_cast<std::ptrdiff_t>(i) < length_);
+    const auto index = static_cast<std::ptrdiff_t>(i);
+    if (index < 0 || index >= length_) indexFailed(index, length_);
     return data_[i];
   }
 
@@ -57,6 +64,11 @@ template <class T> T* arrayOf(T* data, std::size_t) { return data; }
 /// The first elements of an array.
 template <class T> std::span<T> firstOf(const Array<T>& array, int count) {
   return {static_cast<T*>(array), static_cast<std::size_t>(count)};
+}
+
+template <class T> std::vector<T> copyOf(const Array<T>& array, int count) {
+  const std::span<T> elements = firstOf(array, count);
+  return {elements.begin(), elements.end()};
 }
 
 }  // namespace rubble

@@ -91,12 +91,12 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<int> pairCount = nullptr;         ///< pairs that the body owns
   Array<int> impactSpeedBound = nullptr;  ///< bound of the speed that an impact may give the body in this
                                           ///< step, as the bits of a float [m/s]
-  Array<BodyTarget> target = nullptr;  ///< inertial target
-  Array<Displacement> dx = nullptr;    ///< x - x^t at the present iterate
-  Array<Quat> dq = nullptr;            ///< rotation since x^t at the present iterate, q (q^t)^-1
-  Array<int> island = nullptr;         ///< root body of the island
-  Array<int> islandFlag = nullptr;     ///< at the root body: 1 if the island wakes or stays awake
-  Array<int> rowIsland = nullptr;      ///< lowest body connected to this one by rows of this step
+  Array<BodyTarget> target = nullptr;     ///< inertial target
+  Array<Displacement> dx = nullptr;       ///< x - x^t at the present iterate
+  Array<Quat> dq = nullptr;               ///< rotation since x^t at the present iterate, q (q^t)^-1
+  Array<int> island = nullptr;            ///< root body of the island
+  Array<int> islandFlag = nullptr;        ///< at the root body: 1 if the island wakes or stays awake
+  Array<int> rowIsland = nullptr;         ///< lowest body connected to this one by rows of this step
   Array<int> islandBonds = nullptr;  ///< flags of the rows that act on the body, or on the island at its root
                                      ///< (stages/islands/island_momentum.h)
   Array<int> islandMassLength = nullptr;  ///< mass times length of the heaviest body of its island in the
@@ -110,8 +110,8 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<int> ccdShareBits = nullptr;  ///< CCD: share of the motion that is cut off, as the bits of a float
   Array<int> ccdSeenBits = nullptr;  ///< CCD: ccdShareBits as of the present round; for jointed bodies stored
                                      ///< at the root of their CCD island
-  Array<int> ccdRound = nullptr;             ///< CCD: round in which that last changed, or kOwnImpact
-  Array<int> ccdPair = nullptr;              ///< CCD: 1 + the pair that stops the body, or 0
+  Array<int> ccdRound = nullptr;     ///< CCD: round in which that last changed, or kOwnImpact
+  Array<int> ccdPair = nullptr;      ///< CCD: 1 + the pair that stops the body, or 0
   Array<Displacement> ccdMotion = nullptr;   ///< CCD: motion after the cut
   Array<int> bounceBody = nullptr;           ///< restitution state of the body: BounceBody
   Array<BodyMotion> bounceMotion = nullptr;  ///< solved velocities, before restitution
@@ -177,8 +177,8 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<Manifold> oldManifold = nullptr;
   Array<int> toiBits = nullptr;  ///< share of the motion left at the time of impact, as the bits of a float;
                                  ///< 0: no impact
-  Array<int> tested = nullptr;           ///< manifolds that need a full narrow-phase test
-  Array<int> hasRows = nullptr;          ///< 1: a point of the manifold is active in this step
+  Array<int> tested = nullptr;   ///< manifolds that need a full narrow-phase test
+  Array<int> hasRows = nullptr;  ///< 1: a point of the manifold is active in this step
   Array<RollingRows> rolling = nullptr;  ///< one per manifold, if `rolls`
   Array<RollingRows> oldRolling = nullptr;
   Array<int> rowOffset = nullptr;  ///< [activePairs + 1] number of manifolds with rows before this one

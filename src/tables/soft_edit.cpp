@@ -11,10 +11,6 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 Real real(double a) { return static_cast<Real>(a); }
-template <class T> std::vector<T> copyOf(const Array<T>& array, int count) {
-  const std::span<T> elements = firstOf(array, count);
-  return {elements.begin(), elements.end()};
-}
 /// An element from its model. Padding is zeroed, because states are hashed.
 template <class F> F made(const typename F::Model& model, int first) {
   F e;

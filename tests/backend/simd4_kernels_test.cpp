@@ -61,8 +61,8 @@ TEST(Simd4Kernels, HaveTheBitsOfTheScalarCode) {
     four.step(before), one.step(beforeOne);
     const SolverData &s = four.view(), &t = one.view();
     touching = max(touching, s.counters->contacts);
-    const auto same = [](const auto* a, const auto* b, int count) {
-      return std::memcmp(a, b, sizeof *a * static_cast<std::size_t>(count)) == 0;
+    const auto same = [](const auto& a, const auto& b, int count) {
+      return std::memcmp(a, b, sizeof a[0] * static_cast<std::size_t>(count)) == 0;
     };
     ASSERT_TRUE(same(s.position, t.position, s.bodies) && same(s.orientation, t.orientation, s.bodies)) << n;
     ASSERT_TRUE(same(s.velocity, t.velocity, s.bodies) &&

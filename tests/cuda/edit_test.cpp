@@ -99,7 +99,7 @@ TEST_F(CudaEdit, AddsAndRemovesJoints) {
   run(world, 60);
   EXPECT_LT(world.state(id).gap, .05);
   EXPECT_NEAR(world.state(world.bodyAt(0)).position.z, before, .05);
-  world.removeBody(id);
+  world.removeJoint(id);
   run(world, 60);
   EXPECT_LT(world.state(world.bodyAt(0)).position.z, before - 4);
 }

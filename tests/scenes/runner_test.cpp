@@ -49,9 +49,9 @@ TEST(Runner, AppliesEventsBeforeTheirStep) {
   job.scene.events = {push, add};  // in any order
   Runner runner(std::move(job), options());
   for (int i = 0; i < 3; ++i) runner.step();
-  EXPECT_THROW(runner.world().find("late"), Error);
+  EXPECT_THROW(runner.world().findBody("late"), Error);
   runner.step();
-  const BodyId late = runner.world().find("late");
+  const BodyId late = runner.world().findBody("late");
   EXPECT_NEAR(runner.world().state(late).velocity.x, 0, 1e-6);
   runner.step();
   runner.step();
@@ -68,7 +68,7 @@ TEST(Runner, RemovesByNameAndByPrefix) {
   EXPECT_EQ(runner.world().bodies().size(), 2u);
   runner.step();
   EXPECT_EQ(runner.world().bodies().size(), 1u);
-  EXPECT_NO_THROW(runner.world().find("high"));
+  EXPECT_NO_THROW(runner.world().findBody("high"));
 }
 
 TEST(Runner, RefusesEventsThatNameNothing) {

@@ -154,7 +154,7 @@ TEST(Coloring, OfAPileIsProperAtAnyNumberOfThreads) {
     bodies::color(world.executor());
     expectProper(world.view(), 5000);
     EXPECT_LE(world.view().counters->colors, 20);
-    const std::vector<int> colors(world.view().color, world.view().color + world.view().bodies);
+    const std::vector<int> colors = copyOf(world.view().color, world.view().bodies);
     if (first.empty()) first = colors;
     EXPECT_EQ(colors, first);
   }
@@ -186,11 +186,11 @@ TEST(Coloring, KeepsColorsFromStepToStep) {
   bodies::color(world.executor());
   EXPECT_GT(world.view().counters->rounds, 1);
   EXPECT_LT(colorUntilKept(world), 20);
-  const std::vector<int> before(world.view().color, world.view().color + world.view().bodies);
+  const std::vector<int> before = copyOf(world.view().color, world.view().bodies);
   findGraph(world);
   bodies::color(world.executor());
   EXPECT_EQ(world.view().counters->rounds, 0);
-  EXPECT_EQ(std::vector<int>(world.view().color, world.view().color + world.view().bodies), before);
+  EXPECT_EQ(copyOf(world.view().color, world.view().bodies), before);
 }
 
 TEST(Coloring, RepairsAFewNewNeighborsInAFewRounds) {
@@ -199,7 +199,7 @@ TEST(Coloring, RepairsAFewNewNeighborsInAFewRounds) {
   findGraph(world);
   bodies::color(world.executor());
   Random random(1);
-  const std::vector<int> before(world.view().color, world.view().color + world.view().bodies);
+  const std::vector<int> before = copyOf(world.view().color, world.view().bodies);
   for (int i = 0; i < 30; ++i) world.addBall(i, 1 + random.below(700), 701 + random.below(700));
   findGraph(world);
   bodies::color(world.executor());

@@ -21,8 +21,7 @@ TEST(Exclusions, AreThoseThatWereAddedAndNotRemoved) {
     // grows at first, then shrinks to nothing
     const bool excluded = random.below(kEdits) > edit;
     std::vector<int> changed;
-    const std::vector<ExcludedPair> before(tables.view().exclusion,
-                                           tables.view().exclusion + tables.view().exclusions);
+    const std::vector<ExcludedPair> before = copyOf(tables.view().exclusion, tables.view().exclusions);
     setExcluded(tables, a, b, excluded, changed);
     if (excluded)
       wanted.insert(std::minmax(a, b));

@@ -36,7 +36,8 @@ Links chainOf(int bodies) {
 
 /// Number of bodies in trees.
 int nodesOf(const SolverData& s) {
-  return static_cast<int>(std::count_if(s.nodeOfBody, s.nodeOfBody + s.bodies, [](int n) { return n >= 0; }));
+  return static_cast<int>(
+      std::ranges::count_if(firstOf(s.nodeOfBody, s.bodies), [](int n) { return n >= 0; }));
 }
 int levelsOf(const SolverData& s) {
   int levels = 0;
@@ -48,7 +49,7 @@ int levelsOf(const SolverData& s) {
 /// Every coupling goes to a later level, every joint is a coupling, what is passed on arrives, and the nodes
 /// of a tree are consecutive, sorted by level and in one of the lists.
 void expectSound(const SolverData& s, const Links& links) {
-  std::vector<int> listed(s.levelNode, s.levelNode + s.levelBegin[kTreeLevels]), live;
+  std::vector<int> listed = copyOf(s.levelNode, s.levelBegin[kTreeLevels]), live;
   for (int r = 0; r < s.treeLevels; ++r)
     for (int k = s.levelBegin[r]; k < s.levelBegin[r + 1]; ++k) EXPECT_EQ(s.nodeLevel[s.levelNode[k]], r);
   for (int t = 0; t < s.smallTrees; ++t)
@@ -253,8 +254,8 @@ TEST(JointTrees, SmallOnesAreClosedOneByOneAsAllTogether) {
   step(world.executor());
   // every third joint is open by a hundredth, beyond the step
   for (int i = 0; i < kBodies; i += 3) s.position[i].y += .01;
-  const std::vector<Vec3d> opened(s.position, s.position + kBodies);
-  std::fill_n(s.treeNeedsProjection, s.treeNodes, 0);
+  const std::vector<Vec3d> opened = copyOf(s.position, kBodies);
+  std::ranges::fill(firstOf(s.treeNeedsProjection, s.treeNodes), 0);
   const auto largestGap = [&] {
     Real largest = 0;
     for (int k = 0; k < kBodies; ++k) {
@@ -273,8 +274,8 @@ TEST(JointTrees, SmallOnesAreClosedOneByOneAsAllTogether) {
   for (int n = 0; n < s.treeNodes; ++n) EliminateLink{}(s, n);
   for (int n = s.treeNodes - 1; n >= 0; --n) SubstituteLink{}(s, n);
   moveAll();
-  const std::vector<Vec3d> wanted(s.position, s.position + kBodies);
-  std::copy(opened.begin(), opened.end(), s.position);
+  const std::vector<Vec3d> wanted = copyOf(s.position, kBodies);
+  std::ranges::copy(opened, &s.position[0]);
   for (int tree = 0; tree < s.smallTrees; ++tree) ProjectTree{}(s, tree);
   moveAll();
   for (int i = 0; i < kBodies; ++i) EXPECT_EQ(s.position[i], wanted[static_cast<std::size_t>(i)]) << i;

@@ -93,7 +93,7 @@ const Request kBlock{"block", {}, ""};
 TEST(Dragger, AHeldBodyFollowsTheMouse) {
   Player player(blockOnGround, kBlock);
   Dragger dragger;
-  const BodyId block = player.world().find("block");
+  const BodyId block = player.world().findBody("block");
   ASSERT_TRUE(dragger.take(player, block, {0, 0, 1}));
   dragger.pull(player, {0, 0, 3});
   for (int i = 0; i < 240; ++i) player.step();
@@ -109,7 +109,7 @@ TEST(Dragger, AHeldBodyFollowsAMouseThatMoves) {
   Player player(blockOnGround, kBlock);
   Dragger dragger;
   for (int i = 0; i < 60; ++i) player.step();
-  const BodyId block = player.world().find("block");
+  const BodyId block = player.world().findBody("block");
   ASSERT_TRUE(dragger.take(player, block, {0, -.5, .7}));
   for (int i = 0; i < 120; ++i) {
     dragger.pull(player, {0, -.5, .7 + .01 * i});
@@ -178,7 +178,7 @@ TEST(Player, EveryStepIsFoundAgainBitForBit) {
   Player player(withAnEvent, kBlock);
   Dragger dragger;
   std::vector<std::uint64_t> hashes{player.world().hash()};
-  const BodyId block = player.world().find("block");
+  const BodyId block = player.world().findBody("block");
   for (int i = 0; i < 60; ++i) {
     // The hand pulls on the way: what it did is done again.
     if (i == 12) dragger.take(player, block, {0, 0, 1});

@@ -128,7 +128,7 @@ TEST(Joint, SlotsAreUsedAgainWithoutOldLoad) {
   World world(hanging(), options(20, "reference"));
   test::run(world, 120);
   const JointId old = world.joints()[0];
-  world.removeBody(old);
+  world.removeJoint(old);
   JointDef joint;
   joint.anchorA = {0, 0, .5};
   joint.anchorB = world.state(world.bodyAt(0)).position + Vec3{0, 0, .5};

@@ -53,7 +53,7 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
   static void expect(const SolverData& s, const Lane4& body) {
     for (const int i : body) {
       fetch(&s.target[i], sizeof(BodyTarget));
-      fetch(&s.incidence[s.incidenceOffset[i]], 4 * sizeof(Incidence));
+      fetch(s.incidence + s.incidenceOffset[i], 4 * sizeof(Incidence));
     }
   }
   static void prepare(const SolverData& s, const Lane4& body) {
@@ -137,7 +137,7 @@ RUBBLE_NEAR bool haveSoftNodes(const SolverData& s, const Lane4& slice) {
 template <> struct Simd4Kernel<SumSlice<Real4>> {
   static void expect(const SolverData& s, const Lane4& index) {
     for (const int i : index) {
-      __builtin_prefetch(&s.boundary[s.boundaryOffset[i]]);
+      __builtin_prefetch(s.boundary + s.boundaryOffset[i]);
       __builtin_prefetch(&s.aggregate[s.slice[i].aggregate].center);
     }
   }
