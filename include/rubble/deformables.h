@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include <rubble/error.h>
 #include <rubble/material.h>
 #include <rubble/math.h>
 
@@ -146,6 +147,6 @@ ClothDef clothSheet(const Vec3& corner, const Vec3& u, const Vec3& v, int cellsU
 CableDef straightCable(const Vec3& from, const Vec3& to, int segments);
 
 /// Throws Error with the path of the first invalid field ("deformables[2].tetrahedra[17]").
-void validate(const Deformable& deformable, const std::string& path);
+void validate(const Deformable& deformable, const Path& path);
 
 }  // namespace rubble

@@ -1,21 +1,60 @@
 #pragma once
+#include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+
+#if defined(__clang__)
+#define RUBBLE_REFERS_TO_THIS [[clang::lifetimebound]]
+#else
+#define RUBBLE_REFERS_TO_THIS
+#endif
 
 namespace rubble {
+
+/// Names a value in its definition: Path("bodies")[3] + ".mass". The text is made when an error needs it, so
+/// a valid value costs no string. A Path refers to what it is made of, which must live longer.
+class Path {
+ public:
+  Path(const char* name) : name_{name} {}
+  Path(std::string_view name) : name_{name} {}
+  Path(const std::string& name) : name_{name} {}
+
+  Path operator+(std::string_view member) const RUBBLE_REFERS_TO_THIS { return {this, member, kNoIndex}; }
+  Path operator[](std::size_t element) const RUBBLE_REFERS_TO_THIS { return {this, {}, element}; }
+
+  std::string text() const {
+    const std::string own = parent_ ? parent_->text() : std::string();
+    return index_ == kNoIndex ? own + std::string(name_) : own + "[" + std::to_string(index_) + "]";
+  }
+
+ private:
+  static constexpr std::size_t kNoIndex = static_cast<std::size_t>(-1);
+  Path(const Path* parent, std::string_view name, std::size_t index)
+      : parent_{parent}, name_{name}, index_{index} {}
+
+  const Path* parent_ = nullptr;
+  std::string_view name_;
+  std::size_t index_ = kNoIndex;
+};
 
 /// Invalid input. `path()` names the field ("bodies[3].mass"). `what()` gives the path, the expected value
 /// and the actual value.
 class Error : public std::runtime_error {
  public:
-  Error(std::string path, const std::string& expected, const std::string& got)
-      : std::runtime_error(path + ": expected " + expected + ", got " + got), path_(std::move(path)) {}
+  Error(const Path& path, const std::string& expected, const std::string& got)
+      : Error(path.text(), expected, got, 0) {}
   explicit Error(const std::string& message) : std::runtime_error(message) {}
 
   const std::string& path() const { return path_; }
 
  private:
+  Error(std::string path, const std::string& expected, const std::string& got, int)
+      : std::runtime_error(path + ": expected " + expected + ", got " + got), path_(std::move(path)) {}
+
   std::string path_;
 };
 
 }  // namespace rubble
+
+#undef RUBBLE_REFERS_TO_THIS

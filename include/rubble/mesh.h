@@ -23,7 +23,7 @@ struct TetrahedronMesh {
 /// Throws Error unless the surface is closed and oriented. Required: valid vertex indices, triangles with an
 /// area, two triangles of opposite direction on each edge, and a positive volume. The path of the error names
 /// the first invalid triangle ("surface.triangles[17]").
-void validateClosed(const TriangleMesh& surface, const std::string& path = "surface");
+void validateClosed(const TriangleMesh& surface, const Path& path = "surface");
 
 /// Volume enclosed by a closed surface [m3].
 double volumeOf(const TriangleMesh& surface);
@@ -33,7 +33,7 @@ double volumeOf(const TriangleMesh& surface);
 /// tetrahedra are cut along it. Parts thinner than a cell get holes or disappear. The surface may be nested
 /// and self-intersecting: inside is where the winding number is 1 or more. Throws Error if validateClosed()
 /// does, if no lattice point lies inside, or if there are more than 2^26 cells.
-TetrahedronMesh tetrahedralize(const TriangleMesh& surface, double cell, const std::string& path = "surface");
+TetrahedronMesh tetrahedralize(const TriangleMesh& surface, double cell, const Path& path = "surface");
 
 /// A solid from these tetrahedra. Tetrahedra of negative volume are reoriented.
 TetSolidDef tetSolidFromMesh(TetrahedronMesh mesh);

@@ -38,6 +38,6 @@ struct RodParts {
 
 /// Adds the bodies and joints of a rod to a scene. Throws Error with the path of an invalid field
 /// ("rod.points[3]").
-RodParts addRod(Scene& scene, const RodDef& rod, const std::string& path = "rod");
+RodParts addRod(Scene& scene, const RodDef& rod, const Path& path = "rod");
 
 }  // namespace rubble

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <rubble/deformables.h>
+#include <rubble/error.h>
 #include <rubble/material.h>
 #include <rubble/math.h>
 
@@ -297,11 +298,11 @@ MassProperties massProperties(const Shape& shape, double density);
 
 /// Throws Error with the path of the first invalid field ("scene.bodies[3].mass").
 void validate(const Scene& scene);
-void validate(const BodyDef& body, const std::string& path);
+void validate(const BodyDef& body, const Path& path);
 /// Checks a shape without cooking it: finite numbers, consistent list sizes. Cooking may still find that a
 /// hull is flat.
-void validate(const Shape& shape, const std::string& path);
+void validate(const Shape& shape, const Path& path);
 /// Checks a joint definition, without its bodies.
-void validate(const JointDef& joint, const std::string& path);
+void validate(const JointDef& joint, const Path& path);
 
 }  // namespace rubble

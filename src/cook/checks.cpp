@@ -11,48 +11,47 @@ std::string text(double a) {
   return out.str();
 }
 std::string text(const Vec3& a) { return "(" + text(a.x) + ", " + text(a.y) + ", " + text(a.z) + ")"; }
-std::string element(const std::string& list, std::size_t k) { return list + "[" + std::to_string(k) + "]"; }
 
 bool isFinite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
-void finite(double a, const std::string& path) {
+void finite(double a, const Path& path) {
   if (!std::isfinite(a)) throw Error(path, "a finite number", text(a));
 }
-void finite(const Vec3& a, const std::string& path) {
+void finite(const Vec3& a, const Path& path) {
   if (!isFinite(a)) throw Error(path, "three finite numbers", text(a));
 }
-void finite(std::span<const double> list, const std::string& path) {
+void finite(std::span<const double> list, const Path& path) {
   for (std::size_t i = 0; i < list.size(); ++i)
-    if (!std::isfinite(list[i])) finite(list[i], element(path, i));
+    if (!std::isfinite(list[i])) finite(list[i], path[i]);
 }
-void finite(std::span<const Vec3> list, const std::string& path) {
+void finite(std::span<const Vec3> list, const Path& path) {
   for (std::size_t i = 0; i < list.size(); ++i)
-    if (!isFinite(list[i])) finite(list[i], element(path, i));
+    if (!isFinite(list[i])) finite(list[i], path[i]);
 }
-void positive(double a, const std::string& path) {
+void positive(double a, const Path& path) {
   if (!(a > 0) || !std::isfinite(a)) throw Error(path, "a number above 0", text(a));
 }
-void notNegative(double a, const std::string& path) {
+void notNegative(double a, const Path& path) {
   if (!(a >= 0) || !std::isfinite(a)) throw Error(path, "a number of at least 0", text(a));
 }
-void positiveOrInfinite(double a, const std::string& path) {
+void positiveOrInfinite(double a, const Path& path) {
   if (!(a > 0)) throw Error(path, "a number above 0 or infinity", text(a));
 }
-void notNegativeOrInfinite(double a, const std::string& path) {
+void notNegativeOrInfinite(double a, const Path& path) {
   if (!(a >= 0)) throw Error(path, "a number of at least 0 or infinity", text(a));
 }
 
-void unit(const Quat& q, const std::string& path) {
+void unit(const Quat& q, const Path& path) {
   const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
   if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));
 }
-void rotation(const Quat& q, const std::string& path) {
+void rotation(const Quat& q, const Path& path) {
   const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
   if (!(norm > 0) || !std::isfinite(norm))
     throw Error(path, "a quaternion of some length", "one of norm " + text(norm));
 }
 
-void material(const Material& m, const std::string& path) {
+void material(const Material& m, const Path& path) {
   notNegative(m.staticFriction, path + ".staticFriction");
   notNegative(m.dynamicFriction, path + ".dynamicFriction");
   if (m.dynamicFriction > m.staticFriction)
@@ -67,8 +66,9 @@ void material(const Material& m, const std::string& path) {
   finite(m.surfaceVelocity, path + ".surfaceVelocity");
 }
 
-void field(const FieldInfo& info, double value, const std::string& path) {
-  const std::string own = path + "." + info.name();
+void field(const FieldInfo& info, double value, const Path& path) {
+  const std::string name = "." + std::string(info.name());
+  const Path own = path + name;
   const bool infinite = info.rules.infinity != nullptr;
   if (info.rules.range == FieldRange::Positive)
     infinite ? positiveOrInfinite(value, own) : positive(value, own);
@@ -77,17 +77,18 @@ void field(const FieldInfo& info, double value, const std::string& path) {
   else if (!infinite)
     finite(value, own);
 }
-void field(const FieldInfo& info, const Vec3& value, const std::string& path) {
-  const std::string own = path + "." + info.name();
+void field(const FieldInfo& info, const Vec3& value, const Path& path) {
+  const std::string name = "." + std::string(info.name());
+  const Path own = path + name;
   if (info.rules.range == FieldRange::Any) return finite(value, own);
   const auto check = info.rules.range == FieldRange::Positive ? positive : notNegative;
   check(value.x, own + ".x"), check(value.y, own + ".y"), check(value.z, own + ".z");
 }
-void field(const FieldInfo& info, const Quat& value, const std::string& path) {
-  unit(value, path + "." + info.name());
+void field(const FieldInfo& info, const Quat& value, const Path& path) {
+  unit(value, path + ("." + std::string(info.name())));
 }
 
-void failEnumeration(long long value, long long last, const std::string& path) {
+void failEnumeration(long long value, long long last, const Path& path) {
   throw Error(path, "one of an enumeration, 0 to " + std::to_string(last), std::to_string(value));
 }
 

@@ -23,7 +23,7 @@ int beginHeader(CookedShape& out, int size) {
   return header;
 }
 
-void addHull(CookedShape& out, const Shape& shape, const std::string& path) {
+void addHull(CookedShape& out, const Shape& shape, const Path& path) {
   constexpr std::size_t kMostVertices = 256;
   const Hull hull = convexHull(shape.geometry->points, path + ".points");
   if (hull.vertices.size() > kMostVertices)
@@ -66,13 +66,13 @@ void addHull(CookedShape& out, const Shape& shape, const std::string& path) {
     out.indices.insert(out.indices.end(), face.begin(), face.end());
 }
 
-void addCompound(CookedShape& out, const Shape& shape, const std::string& path) {
+void addCompound(CookedShape& out, const Shape& shape, const Path& path) {
   const std::vector<ShapePartDef>& parts = shape.geometry->parts;
+  const Path list = path + ".parts";
   std::vector<CookedShape> cooked;
   SolidSums sums;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const std::string where = path + ".parts[" + std::to_string(i) + "]";
-    const CookedShape& part = cooked.emplace_back(cook(parts[i].shape, where + ".shape"));
+    const CookedShape& part = cooked.emplace_back(cook(parts[i].shape, list[i] + ".shape"));
     sums += placed(sumsOf(part.unit), parts[i].position, normalize(parts[i].orientation), parts[i].density);
   }
   out.unit = principal(sums);
@@ -114,7 +114,7 @@ void addCompound(CookedShape& out, const Shape& shape, const std::string& path) 
 
 }  // namespace cooking
 
-CookedShape cook(const Shape& shape, const std::string& path) {
+CookedShape cook(const Shape& shape, const Path& path) {
   validate(shape, path);
   CookedShape out;
   traitsOf(shape.type).cook(out, shape, path);

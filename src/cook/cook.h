@@ -7,18 +7,18 @@
 namespace rubble {
 
 /// Throws Error with `path` for degenerate geometry.
-CookedShape cook(const Shape& shape, const std::string& path = "shape");
+CookedShape cook(const Shape& shape, const Path& path = "shape");
 
 /// Steps of cook() for single types, in the authored frame, for shapes that passed validate(). `unit` has
 /// center and axes; no data is transformed yet.
 namespace cooking {
 
 /// Appends a hull, transformed to the engine frame given by `unit`.
-void addHull(CookedShape& out, const Shape& shape, const std::string& path);
-void addCompound(CookedShape& out, const Shape& shape, const std::string& path);
-void addMesh(CookedShape& out, const Shape& shape, const std::string& path);
+void addHull(CookedShape& out, const Shape& shape, const Path& path);
+void addCompound(CookedShape& out, const Shape& shape, const Path& path);
+void addMesh(CookedShape& out, const Shape& shape, const Path& path);
 void addHeightField(CookedShape& out, const Shape& shape);
-void addDistanceField(CookedShape& out, const Shape& shape, const std::string& path);
+void addDistanceField(CookedShape& out, const Shape& shape, const Path& path);
 
 /// Starts the header of a shape's tables: the offsets of its vectors and indices. The header must be filled
 /// to `size` numbers before other indices are appended.

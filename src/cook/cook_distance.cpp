@@ -33,7 +33,7 @@ SolidSums insideOf(const ShapeGeometry& g) {
 
 }  // namespace
 
-void addDistanceField(CookedShape& out, const Shape& shape, const std::string& path) {
+void addDistanceField(CookedShape& out, const Shape& shape, const Path& path) {
   const ShapeGeometry& g = *shape.geometry;
   const std::size_t count = g.samples.size();
   const ShapeMesh surface = distanceSurface(g);

@@ -142,16 +142,15 @@ std::vector<int> touchableEdges(const std::vector<Vec3>& points,
   return flags;
 }
 
-void addMesh(CookedShape& out, const Shape& shape, const std::string& path) {
+void addMesh(CookedShape& out, const Shape& shape, const Path& path) {
   const ShapeGeometry& g = *shape.geometry;
   Range whole;
   std::vector<Range> boxes(g.triangles.size());
   for (std::size_t t = 0; t < g.triangles.size(); ++t) {
-    const std::string where = path + ".triangles[" + std::to_string(t) + "]";
     for (const int v : g.triangles[t]) boxes[t].add(at(g.points, v));
     const Vec3 a = at(g.points, g.triangles[t][0]);
     if (!(length(cross(at(g.points, g.triangles[t][1]) - a, at(g.points, g.triangles[t][2]) - a)) > 0))
-      throw Error(where, "a triangle with an area", "one without");
+      throw Error((path + ".triangles")[t], "a triangle with an area", "one without");
     whole.add(boxes[t]);
   }
   setBounds(out, whole);

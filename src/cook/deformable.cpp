@@ -271,7 +271,7 @@ std::shared_ptr<const SoftModel> cook(const ParticlesDef& d) {
 
 }  // namespace
 
-std::shared_ptr<const SoftModel> cookDeformable(const Deformable& def, const std::string& path) {
+std::shared_ptr<const SoftModel> cookDeformable(const Deformable& def, const Path& path) {
   validate(def, path);
   return std::visit([](const auto& d) { return cook(d); }, def);
 }

@@ -13,17 +13,13 @@ namespace {
 
 using namespace checks;
 
-std::string item(const std::string& path, const char* list, std::size_t i) {
-  return element(path + "." + list, i);
-}
-
-void ratio(double a, double least, const std::string& path) {
+void ratio(double a, double least, const Path& path) {
   if (!(a > least && a < .5) && !(a == least && least == 0))
     throw Error(path, "a number from " + text(least) + " to below .5", text(a));
 }
 
 /// Indices must be valid and distinct.
-template <class Corners> void corners(const DeformableDef& d, const Corners& c, const std::string& path) {
+template <class Corners> void corners(const DeformableDef& d, const Corners& c, const Path& path) {
   for (const int v : c)
     if (v < 0 || std::size_t(v) >= d.vertices.size())
       throw Error(path, "indices below " + std::to_string(d.vertices.size()), std::to_string(v));
@@ -32,7 +28,7 @@ template <class Corners> void corners(const DeformableDef& d, const Corners& c, 
       if (c[i] == c[j]) throw Error(path, "different vertices", "vertex " + std::to_string(c[i]) + " twice");
 }
 
-void checkElement(const DeformableDef& d, const ElementDef& e, const std::string& path) {
+void checkElement(const DeformableDef& d, const ElementDef& e, const Path& path) {
   const ElementKind* const kind = findElementKind(e.type);
   if (!kind) throw Error(path + ".type", "the keyword of an element type", "\"" + e.type + "\"");
   if (e.vertices.size() != static_cast<std::size_t>(kind->corners))
@@ -44,7 +40,7 @@ void checkElement(const DeformableDef& d, const ElementDef& e, const std::string
     info.visit(e, [&](const auto& value) { checks::field(info, value, path); });
 }
 
-void checkCommon(const DeformableDef& d, std::size_t least, const std::string& path) {
+void checkCommon(const DeformableDef& d, std::size_t least, const Path& path) {
   if (d.vertices.size() < least)
     throw Error(path + ".vertices", "at least " + std::to_string(least), std::to_string(d.vertices.size()));
   finite(d.vertices, path + ".vertices");
@@ -53,7 +49,7 @@ void checkCommon(const DeformableDef& d, std::size_t least, const std::string& p
                 std::to_string(d.start.size()));
   finite(d.start, path + ".start");
   for (std::size_t i = 0; i < d.fixed.size(); ++i)
-    corners(d, std::array<int, 1>{d.fixed[i]}, item(path, "fixed", i));
+    corners(d, std::array<int, 1>{d.fixed[i]}, (path + ".fixed")[i]);
   finite(d.velocity, path + ".velocity");
   finite(d.angularVelocity, path + ".angularVelocity");
   const Material& m = d.material;
@@ -66,22 +62,21 @@ void checkCommon(const DeformableDef& d, std::size_t least, const std::string& p
   none(length(m.surfaceVelocity), "surfaceVelocity",
        "none: only the surfaces of bodies move along themselves");
   finite(d.gravityScale, path + ".gravityScale");
-  for (std::size_t i = 0; i < d.elements.size(); ++i)
-    checkElement(d, d.elements[i], item(path, "elements", i));
+  for (std::size_t i = 0; i < d.elements.size(); ++i) checkElement(d, d.elements[i], (path + ".elements")[i]);
 }
 
 /// Every vertex must have mass, so each must be a corner of an element.
-void allUsed(const std::vector<bool>& used, const std::string& path, const char* of) {
+void allUsed(const std::vector<bool>& used, const Path& path, const char* of) {
   const auto it = std::find(used.begin(), used.end(), false);
   if (it != used.end())
-    throw Error(item(path, "vertices", std::size_t(it - used.begin())), std::string("a corner of a ") + of,
+    throw Error((path + ".vertices")[std::size_t(it - used.begin())], std::string("a corner of a ") + of,
                 "a vertex of none");
 }
 
 /// Volumes (areas) below this share of the cubed (squared) longest edge count as zero.
 constexpr double kDegenerate = 1e-9;
 
-void check(const TetSolidDef& d, const std::string& path) {
+void check(const TetSolidDef& d, const Path& path) {
   checkCommon(d, 4, path);
   positive(d.youngsModulus, path + ".youngsModulus");
   ratio(d.poissonRatio, 0, path + ".poissonRatio");
@@ -95,7 +90,7 @@ void check(const TetSolidDef& d, const std::string& path) {
   std::map<std::array<int, 3>, int> faces;
   for (std::size_t i = 0; i < d.tetrahedra.size(); ++i) {
     const auto& t = d.tetrahedra[i];
-    const std::string here = item(path, "tetrahedra", i);
+    const Path list = path + ".tetrahedra", here = list[i];
     corners(d, t, here);
     Vec3 x[4];
     for (std::size_t k = 0; k < 4; ++k) x[k] = d.vertices[std::size_t(t[k])], used[std::size_t(t[k])] = true;
@@ -117,11 +112,11 @@ void check(const TetSolidDef& d, const std::string& path) {
 }
 
 void checkTriangles(const DeformableDef& d, const std::vector<std::array<int, 3>>& triangles,
-                    const std::string& path, std::vector<bool>& used) {
+                    const Path& path, std::vector<bool>& used) {
   std::map<std::pair<int, int>, int> edges;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const auto& t = triangles[i];
-    const std::string here = item(path, "triangles", i);
+    const Path list = path + ".triangles", here = list[i];
     corners(d, t, here);
     double longest = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -140,20 +135,20 @@ void checkTriangles(const DeformableDef& d, const std::vector<std::array<int, 3>
 
 /// Pressure requires a closed sheet: two triangles of opposite direction at every edge, and a positive
 /// volume.
-void checkClosed(const ClothDef& d, const std::string& path) {
+void checkClosed(const ClothDef& d, const Path& path) {
   std::map<std::pair<int, int>, std::size_t> ways;
   for (std::size_t i = 0; i < d.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [way, isNew] = ways.emplace(std::pair{d.triangles[i][k], d.triangles[i][(k + 1) % 3]}, i);
       if (!isNew)
-        throw Error(item(path, "triangles", i), "neighbors that are turned the same way, beside a pressure",
+        throw Error((path + ".triangles")[i], "neighbors that are turned the same way, beside a pressure",
                     "one that is turned over");
     }
   double volume = 0;
   for (const auto& [way, i] : ways) {
     if (!ways.contains({way.second, way.first}))
       throw Error(
-          item(path, "triangles", i), "a closed sheet beside a pressure",
+          (path + ".triangles")[i], "a closed sheet beside a pressure",
           "a rim between vertices " + std::to_string(way.first) + " and " + std::to_string(way.second));
   }
   const Vec3 origin = d.vertices[0];
@@ -166,7 +161,7 @@ void checkClosed(const ClothDef& d, const std::string& path) {
                 "a volume of " + text(volume) + " m3");
 }
 
-void check(const ClothDef& d, const std::string& path) {
+void check(const ClothDef& d, const Path& path) {
   checkCommon(d, 3, path);
   positive(d.thickness, path + ".thickness");
   positive(d.youngsModulus, path + ".youngsModulus");
@@ -191,7 +186,7 @@ void check(const ClothDef& d, const std::string& path) {
   checkClosed(d, path);
 }
 
-void check(const CableDef& d, const std::string& path) {
+void check(const CableDef& d, const Path& path) {
   checkCommon(d, d.closed ? 3 : 2, path);
   positive(d.radius, path + ".radius");
   positive(d.youngsModulus, path + ".youngsModulus");
@@ -201,20 +196,20 @@ void check(const CableDef& d, const std::string& path) {
   const std::size_t n = d.vertices.size();
   for (std::size_t i = 0; i + (d.closed ? 0 : 1) < n; ++i)
     if (!(length(d.vertices[(i + 1) % n] - d.vertices[i]) > 0))
-      throw Error(item(path, "vertices", i), "another place than the next vertex", "the same");
+      throw Error((path + ".vertices")[i], "another place than the next vertex", "the same");
 }
 
-void check(const NetDef& d, const std::string& path) {
+void check(const NetDef& d, const Path& path) {
   checkCommon(d, 1, path);
   if (d.masses.size() != 1 && d.masses.size() != d.vertices.size())
     throw Error(path + ".masses", "one, or as many as vertices, " + std::to_string(d.vertices.size()),
                 std::to_string(d.masses.size()));
-  for (std::size_t i = 0; i < d.masses.size(); ++i) positive(d.masses[i], item(path, "masses", i));
+  for (std::size_t i = 0; i < d.masses.size(); ++i) positive(d.masses[i], (path + ".masses")[i]);
   notNegative(d.contactRadius, path + ".contactRadius");
   positiveOrInfinite(d.breakForce, path + ".breakForce");
   for (std::size_t i = 0; i < d.edges.size(); ++i) {
     const NetDef::Edge& e = d.edges[i];
-    const std::string here = item(path, "edges", i);
+    const Path list = path + ".edges", here = list[i];
     corners(d, std::array<int, 2>{e.a, e.b}, here);
     positive(e.stiffness, here + ".stiffness");
     notNegative(e.damping, here + ".damping");
@@ -226,7 +221,7 @@ void check(const NetDef& d, const std::string& path) {
   checkTriangles(d, d.triangles, path, used);
 }
 
-void check(const ParticlesDef& d, const std::string& path) {
+void check(const ParticlesDef& d, const Path& path) {
   checkCommon(d, 1, path);
   positive(d.radius, path + ".radius");
   positive(d.density, path + ".density");
@@ -234,7 +229,7 @@ void check(const ParticlesDef& d, const std::string& path) {
 
 }  // namespace
 
-void validate(const Deformable& deformable, const std::string& path) {
+void validate(const Deformable& deformable, const Path& path) {
   std::visit([&](const auto& d) { check(d, path); }, deformable);
 }
 

@@ -52,7 +52,7 @@ Vec3 areaOf(const std::vector<Vec3>& vertices, const std::vector<int>& face) {
 
 bool hasHulls() { return true; }
 
-Hull convexHull(const std::vector<Vec3>& points, const std::string& path) {
+Hull convexHull(const std::vector<Vec3>& points, const Path& path) {
   const std::string wanted = "at least four points that do not lie in one plane";
   if (points.size() < 4) throw Error(path, wanted, std::to_string(points.size()) + " points");
   // centered and scaled to size 1, so that tolerances are relative to the hull
@@ -110,7 +110,7 @@ Hull convexHull(const std::vector<Vec3>& points, const std::string& path) {
 #else
 
 bool hasHulls() { return false; }
-Hull convexHull(const std::vector<Vec3>&, const std::string& path) {
+Hull convexHull(const std::vector<Vec3>&, const Path& path) {
   throw Error(path, "a build with qhull (package libqhull-dev)", "one without");
 }
 

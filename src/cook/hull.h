@@ -15,7 +15,7 @@ struct Hull {
 
 /// Convex hull of points with coplanar faces merged (qhull; Barber, Dobkin, Huhdanpaa 1996). Throws Error at
 /// `path` if the points are coplanar, or if this build has no qhull.
-Hull convexHull(const std::vector<Vec3>& points, const std::string& path);
+Hull convexHull(const std::vector<Vec3>& points, const Path& path);
 /// Returns whether this build has qhull.
 bool hasHulls();
 

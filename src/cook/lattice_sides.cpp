@@ -52,7 +52,7 @@ double meets(const Vec3& from, const Vec3& along, const Vec3& a, const Vec3& b, 
 
 }  // namespace
 
-SidesOfLattice::SidesOfLattice(const TriangleMesh& surface, double cell, const std::string& path)
+SidesOfLattice::SidesOfLattice(const TriangleMesh& surface, double cell, const Path& path)
     : surface_(surface), cell_(cell) {
   Vec3 low = surface.vertices[static_cast<std::size_t>(surface.triangles[0][0])], high = low;
   for (const auto& t : surface.triangles)

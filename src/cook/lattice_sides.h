@@ -13,7 +13,7 @@ namespace rubble {
 class SidesOfLattice {
  public:
   /// Throws Error if there are too many cells.
-  SidesOfLattice(const TriangleMesh& surface, double cell, const std::string& path);
+  SidesOfLattice(const TriangleMesh& surface, double cell, const Path& path);
 
   int points() const { return corners_ + cellCount(); }
   Vec3 place(int point) const;

@@ -15,27 +15,26 @@ using namespace checks;
 /// counted in int.
 constexpr std::size_t kMost = std::size_t{1} << 28;
 
-void bounded(std::size_t count, const std::string& path) {
+void bounded(std::size_t count, const Path& path) {
   if (count > kMost) throw Error(path, "at most " + std::to_string(kMost), std::to_string(count));
 }
 
-void checkPoints(const ShapeGeometry& g, const std::string& path) {
+void checkPoints(const ShapeGeometry& g, const Path& path) {
   bounded(g.points.size(), path);
   finite(g.points, path);
 }
 
-void checkTriangles(const ShapeGeometry& g, const std::string& path) {
+void checkTriangles(const ShapeGeometry& g, const Path& path) {
   if (g.triangles.empty()) throw Error(path, "at least one triangle", "none");
   bounded(g.triangles.size(), path);
   for (std::size_t t = 0; t < g.triangles.size(); ++t)
     for (const int v : g.triangles[t])
       if (v < 0 || static_cast<std::size_t>(v) >= g.points.size())
-        throw Error(element(path, t), "corners below " + std::to_string(g.points.size()), std::to_string(v));
+        throw Error(path[t], "corners below " + std::to_string(g.points.size()), std::to_string(v));
 }
 
 /// One sample per lattice point. `axes`: number of entries of `counts` in use.
-void checkSamples(const ShapeGeometry& g, std::size_t axes, const std::string& path,
-                  const std::string& name) {
+void checkSamples(const ShapeGeometry& g, std::size_t axes, const Path& path, const std::string& name) {
   Size count = 1;
   for (std::size_t i = 0; i < axes; ++i) {
     if (g.counts[i] < 2)
@@ -49,12 +48,12 @@ void checkSamples(const ShapeGeometry& g, std::size_t axes, const std::string& p
 }
 
 /// Parts are convex solids, not compounds, so the recursion has one level.
-void checkParts(const ShapeGeometry& g, const std::string& path) {
+void checkParts(const ShapeGeometry& g, const Path& path) {
   if (g.parts.empty()) throw Error(path, "the parts of a compound", "none");
   bounded(g.parts.size(), path);
   for (std::size_t i = 0; i < g.parts.size(); ++i) {
     const ShapePartDef& part = g.parts[i];
-    const std::string where = element(path, i);
+    const Path where = path[i];
     finite(part.position, where + ".position");
     unit(part.orientation, where + ".orientation");
     positive(part.density, where + ".density");
@@ -87,14 +86,14 @@ ShapeTraits plane() {
           false,
           {},
           nullptr,
-          [](CookedShape&, const Shape&, const std::string&) {},
+          [](CookedShape&, const Shape&, const Path&) {},
           massless,
           nullptr};
 }
 
 struct Hull {
   static constexpr std::tuple kFields{kRounding};
-  static void check(const Shape& s, const std::string& path) {
+  static void check(const Shape& s, const Path& path) {
     const ShapeGeometry& g = geometryOf(s);
     if (g.points.empty()) throw Error(path + ".points", "the points of a hull", "none");
     checkPoints(g, path + ".points");
@@ -121,14 +120,14 @@ ShapeTraits compound() {
           "convex shapes that move as one",
           false,
           {},
-          [](const Shape& s, const std::string& path) { checkParts(geometryOf(s), path + ".parts"); },
+          [](const Shape& s, const Path& path) { checkParts(geometryOf(s), path + ".parts"); },
           cooking::addCompound,
           cookedMass,
           nullptr};
 }
 
 ShapeTraits mesh() {
-  const auto check = [](const Shape& s, const std::string& path) {
+  const auto check = [](const Shape& s, const Path& path) {
     checkPoints(geometryOf(s), path + ".points");
     checkTriangles(geometryOf(s), path + ".triangles");
   };
@@ -137,15 +136,13 @@ ShapeTraits mesh() {
 }
 
 ShapeTraits heightField() {
-  const auto check = [](const Shape& s, const std::string& path) {
+  const auto check = [](const Shape& s, const Path& path) {
     const ShapeGeometry& g = geometryOf(s);
     checkSamples(g, 2, path, ".heights");
     positive(g.spacing.x, path + ".spacing.x");
     positive(g.spacing.y, path + ".spacing.y");
   };
-  const auto cook = [](CookedShape& out, const Shape& s, const std::string&) {
-    cooking::addHeightField(out, s);
-  };
+  const auto cook = [](CookedShape& out, const Shape& s, const Path&) { cooking::addHeightField(out, s); };
   return {ShapeType::HeightField,
           "height_field",
           "surface over the local x-y plane",
@@ -158,7 +155,7 @@ ShapeTraits heightField() {
 }
 
 ShapeTraits distanceField() {
-  const auto check = [](const Shape& s, const std::string& path) {
+  const auto check = [](const Shape& s, const Path& path) {
     const ShapeGeometry& g = geometryOf(s);
     checkSamples(g, 3, path, ".distances");
     finite(g.origin, path + ".origin");

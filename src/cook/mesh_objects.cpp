@@ -17,10 +17,6 @@ constexpr double kNoArea = 1e-12;
 /// Half a gigabyte of vertices. A longer cable is most likely a unit error.
 constexpr int kMostSegments = 1 << 24;
 
-std::string item(const std::string& path, const char* list, std::size_t i) {
-  return path + "." + list + "[" + std::to_string(i) + "]";
-}
-
 }  // namespace
 
 double volumeOf(const TriangleMesh& surface) {
@@ -30,7 +26,7 @@ double volumeOf(const TriangleMesh& surface) {
   return sum;
 }
 
-void validateClosed(const TriangleMesh& surface, const std::string& path) {
+void validateClosed(const TriangleMesh& surface, const Path& path) {
   if (surface.triangles.empty()) throw Error(path + ".triangles", "at least four", "none");
   checks::finite(surface.vertices, path + ".vertices");
   const auto edgeText = [](int a, int b) {
@@ -39,7 +35,7 @@ void validateClosed(const TriangleMesh& surface, const std::string& path) {
   std::map<std::pair<int, int>, std::size_t> ways;
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
     const auto& t = surface.triangles[i];
-    const std::string here = item(path, "triangles", i);
+    const Path list = path + ".triangles", here = list[i];
     for (const int v : t)
       if (v < 0 || static_cast<std::size_t>(v) >= surface.vertices.size())
         throw Error(here, "indices below " + std::to_string(surface.vertices.size()), std::to_string(v));
@@ -57,7 +53,7 @@ void validateClosed(const TriangleMesh& surface, const std::string& path) {
   }
   for (const auto& [way, i] : ways)
     if (!ways.contains({way.second, way.first}))
-      throw Error(item(path, "triangles", i), "a closed surface",
+      throw Error((path + ".triangles")[i], "a closed surface",
                   "a hole beside " + edgeText(way.first, way.second));
   const double volume = volumeOf(surface);
   if (!(volume > 0))
@@ -94,7 +90,7 @@ ClothDef clothFromMesh(const TriangleMesh& mesh) {
     for (std::size_t k = 0; k < 3; ++k) {
       const int v = mesh.triangles[i][k];
       if (v < 0 || static_cast<std::size_t>(v) >= mesh.vertices.size())
-        throw Error(item("mesh", "triangles", i), "indices below " + std::to_string(mesh.vertices.size()),
+        throw Error(Path("mesh.triangles")[i], "indices below " + std::to_string(mesh.vertices.size()),
                     std::to_string(v));
       int& own = number[static_cast<std::size_t>(v)];
       if (own < 0) {

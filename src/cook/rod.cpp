@@ -12,11 +12,11 @@ namespace {
 
 using namespace checks;
 
-void check(const Scene& scene, const RodDef& rod, const std::string& path) {
+void check(const Scene& scene, const RodDef& rod, const Path& path) {
   if (rod.points.size() < 2) throw Error(path + ".points", "two at least", std::to_string(rod.points.size()));
   for (std::size_t i = 0; i < rod.points.size(); ++i) {
     const Vec3& x = rod.points[i];
-    const std::string here = element(path + ".points", i);
+    const Path list = path + ".points", here = list[i];
     finite(x, here);
     if (i > 0 && !(length(x - rod.points[i - 1]) > 0))
       throw Error(here, "another place than the point before", "the same");
@@ -49,7 +49,7 @@ struct Section {
 
 }  // namespace
 
-RodParts addRod(Scene& scene, const RodDef& rod, const std::string& path) {
+RodParts addRod(Scene& scene, const RodDef& rod, const Path& path) {
   check(scene, rod, path);
   const Section section(rod);
   RodParts out{static_cast<int>(scene.bodies.size()), static_cast<int>(rod.points.size()) - 1,

@@ -115,7 +115,7 @@ template <class S> MassProperties massOf(const Shape& shape, double density) {
     if (shape.rounding > 0) return massInside(shape, density, true);
   return S::massProperties(shape, density);
 }
-template <class S> void cookConvex(CookedShape& out, const Shape& shape, const std::string& path) {
+template <class S> void cookConvex(CookedShape& out, const Shape& shape, const Path& path) {
   if constexpr (requires { S::smallest(shape); })
     if (shape.rounding > 0 && !(shape.rounding < S::smallest(shape)))
       throw Error(path + ".rounding", "less than half of the smallest size", std::to_string(shape.rounding));
@@ -163,7 +163,7 @@ ShapeType shapeType(const std::string& keyword) {
   throw Error("type", "the keyword of a shape type", "\"" + keyword + "\"");
 }
 
-void validate(const Shape& s, const std::string& path) {
+void validate(const Shape& s, const Path& path) {
   checks::notNegative(s.rounding, path + ".rounding");
   checks::enumeration(static_cast<int>(s.type), static_cast<int>(shapeTraits().size()) - 1, path + ".type");
   const ShapeTraits& traits = traitsOf(s.type);

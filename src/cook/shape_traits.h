@@ -15,8 +15,8 @@ struct ShapeTraits {
   const char* doc;
   bool isConvex;                   ///< a convex solid: a part of compounds, the shape of a query
   std::vector<ShapeField> fields;  ///< its numbers; its lists are in ShapeGeometry
-  void (*check)(const Shape&, const std::string& path);  ///< of its lists; null: it has none
-  void (*cook)(CookedShape&, const Shape&, const std::string& path);
+  void (*check)(const Shape&, const Path& path);  ///< of its lists; null: it has none
+  void (*cook)(CookedShape&, const Shape&, const Path& path);
   MassProperties (*massProperties)(const Shape&, double density);
   Vec3 (*support)(const Shape&, const Vec3& d);  ///< of added shapes; else null
 };

@@ -21,8 +21,7 @@ constexpr double kLongShare = .24999, kShortShare = .41189;
 
 class Stuffing {
  public:
-  Stuffing(const TriangleMesh& surface, double cell, const std::string& path)
-      : lattice_(surface, cell, path) {}
+  Stuffing(const TriangleMesh& surface, double cell, const Path& path) : lattice_(surface, cell, path) {}
 
   TetrahedronMesh run() {
     lattice_.findSides(side_);
@@ -167,7 +166,7 @@ class Stuffing {
 
 }  // namespace
 
-TetrahedronMesh tetrahedralize(const TriangleMesh& surface, double cell, const std::string& path) {
+TetrahedronMesh tetrahedralize(const TriangleMesh& surface, double cell, const Path& path) {
   if (!(cell > 0) || !std::isfinite(cell))
     throw Error(path + ".cell", "a width above 0 [m]", std::to_string(cell));
   validateClosed(surface, path);

@@ -41,7 +41,7 @@ struct DragKind {
     b.joint.groups = {b.anchors()};
     b.joint.isRigid = false;
   }
-  static void check(const JointDef& def, const std::string& path) {
+  static void check(const JointDef& def, const Path& path) {
     if (def.stiffness == kHard)
       throw Error(path + ".stiffness", "a finite stiffness for a drag joint", "hard");
   }

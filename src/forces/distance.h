@@ -133,7 +133,7 @@ struct SpringKind : LengthKind {
     if (JointAxis* const axis = axisOf(b))
       axis->driveStiffness = b.def.stiffness, axis->driveDamping = b.damping();
   }
-  static void check(const JointDef& def, const std::string& path) {
+  static void check(const JointDef& def, const Path& path) {
     if (def.stiffness == kHard) throw Error(path + ".stiffness", "a finite stiffness for a spring", "hard");
   }
 };

@@ -10,7 +10,7 @@
 ///   build    void (JointBuild&): groups, axes and constants of the joint
 ///   kType    its enumerator (optional; others are numbered after the last enumerator, in list order)
 ///   kRows    rows that act at a time, if not all of its joint (optional)
-///   check    void (const JointDef&, const std::string& path): rules beyond the ranges of fields (optional)
+///   check    void (const JointDef&, const Path& path): rules beyond the ranges of fields (optional)
 ///   engineType<List>  int (const JointDef&): index of another joint of the list for some definitions
 ///            (optional)
 ///

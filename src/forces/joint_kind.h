@@ -20,7 +20,7 @@ struct JointKind {
   std::vector<JointField> fields;     ///< in the order of K::kFields
   std::vector<JointField> ownFields;  ///< those in JointDef::own
   EngineJoint (*build)(const JointDef&, const JointBodies&, const EngineJoint* before);
-  void (*check)(const JointDef&, const std::string& path);
+  void (*check)(const JointDef&, const Path& path);
 
   /// Is this one of its fields?
   bool has(const char* key) const { return hasField(fields, key); }

@@ -31,7 +31,7 @@ struct InJoint {
   }
 };
 
-template <class K> void checkKind(const JointDef& def, const std::string& path) {
+template <class K> void checkKind(const JointDef& def, const Path& path) {
   const auto isOwn = [&]<class O, class T>(const Field<O, T>&) { return def.own.type() == typeid(O); };
   if (def.own.has_value() && !std::apply([&](const auto&... f) { return (isOwn(f) || ...); }, K::kFields))
     throw Error(path + ".own", std::string("the fields of a joint of type ") + K::kName, "others");

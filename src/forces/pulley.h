@@ -88,7 +88,7 @@ struct PulleyKind {
     b.joint.isRigid = false;
     b.joint.constants.set(PulleyJoint::Constants{def.pulleyA, def.pulleyB, def.ratio});
   }
-  static void check(const JointDef& def, const std::string& path) {
+  static void check(const JointDef& def, const Path& path) {
     if (def.ratio < 0) throw Error(path + ".ratio", "a positive number for a pulley", numberText(def.ratio));
   }
 };

@@ -76,7 +76,7 @@ inline bool isSoftNode(const SoftModel& m) {
 }
 
 /// Cooks a deformable object. Throws Error like validate() of deformables.h.
-std::shared_ptr<const SoftModel> cookDeformable(const Deformable& def, const std::string& path);
+std::shared_ptr<const SoftModel> cookDeformable(const Deformable& def, const Path& path);
 
 /// An attachment between vertices in engine numbering.
 struct EngineAttachment {

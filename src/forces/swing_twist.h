@@ -124,7 +124,7 @@ struct SwingTwistKind {
     b.joint.axes[0].min = -kFree;
     b.joint.axes[0].max = def.swingY == kFree && def.swingZ == kFree ? kFree : 2 * std::atan(wide);
   }
-  static void check(const JointDef& def, const std::string& path) {
+  static void check(const JointDef& def, const Path& path) {
     // a narrower cone must be a hinge
     constexpr double kNarrowest = 1e-3;
     for (const auto& [angle, name] : {std::pair{def.swingY, ".swingY"}, {def.swingZ, ".swingZ"}})

@@ -13,7 +13,7 @@ int kindOf(Motion motion) { return motion == Motion::Static ? 1 : motion == Moti
 
 /// Converts moments about the body axes to moments about the principal axes of the shape, which the engine
 /// uses. Throws Error unless the given tensor is diagonal there.
-Vec3 inertiaAlong(const Vec3& moments, const Quat& axes, const std::string& path) {
+Vec3 inertiaAlong(const Vec3& moments, const Quat& axes, const Path& path) {
   Vec3 out;
   const std::array<Vec3, 3> local{rotate(axes, Vec3{1, 0, 0}), rotate(axes, Vec3{0, 1, 0}),
                                   rotate(axes, Vec3{0, 0, 1})};
@@ -31,7 +31,7 @@ Vec3 inertiaAlong(const Vec3& moments, const Quat& axes, const std::string& path
 }
 
 /// Mass properties of a body from those of its shape at density 1.
-MassProperties massOfDefinition(const BodyDef& def, const MassProperties& unit, const std::string& path) {
+MassProperties massOfDefinition(const BodyDef& def, const MassProperties& unit, const Path& path) {
   if (def.motion != Motion::Dynamic) return {};
   const double density = def.mass ? *def.mass / unit.mass : def.density;
   return {unit.mass * density,
@@ -53,8 +53,7 @@ void World::Impl::requireAlive(JointId id) const {
   if (!registry.joints.alive(id)) throw Error("joint", "an id that is alive", describe(id));
 }
 
-ReadyBody World::Impl::ready(const BodyDef& def, const std::string& path,
-                             std::vector<CookedEntry>& fresh) const {
+ReadyBody World::Impl::ready(const BodyDef& def, const Path& path, std::vector<CookedEntry>& fresh) const {
   if (!def.name.empty() && registry.bodyNames.contains(def.name))
     throw Error(path + ".name", kOwnName, "\"" + def.name + "\"");
   const std::shared_ptr<const CookedShape> cooked = cookShape(def.shape, path + ".shape", fresh);

@@ -8,7 +8,7 @@ namespace rubble {
 inline int axisCount(JointType type) { return kindOf(type).axes; }
 inline bool hasLength(JointType type) { return kindOf(type).has("length"); }
 /// Throws Error unless the joint type allows that frame body for one of its bodies.
-void checkFrameBody(JointType type, int body, int frameBody, const std::string& path);
+void checkFrameBody(JointType type, int body, int frameBody, const Path& path);
 
 /// `before`: the present joint when it is redefined. Quantities measured when it was made are taken from it.
 inline EngineJoint engineJoint(const JointDef& def, const JointBodies& bodies,

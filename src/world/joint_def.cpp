@@ -13,7 +13,7 @@ namespace {
 
 using namespace checks;
 
-void validateAxis(const JointAxis& axis, const std::string& path) {
+void validateAxis(const JointAxis& axis, const Path& path) {
   if (!(axis.min <= axis.max)) throw Error(path + ".min", "at most max, " + text(axis.max), text(axis.min));
   if (axis.friction > 0 && !std::isfinite(axis.friction))
     throw Error(path + ".friction", "a finite number; equal limits lock an axis", text(axis.friction));
@@ -23,7 +23,7 @@ void validateAxis(const JointAxis& axis, const std::string& path) {
 
 }  // namespace
 
-void validate(const JointDef& joint, const std::string& path) {
+void validate(const JointDef& joint, const Path& path) {
   enumeration(static_cast<int>(joint.type), static_cast<int>(jointKinds().size()) - 1, path + ".type");
   const JointKind& kind = kindOf(joint.type);
   kind.check(joint, path);
@@ -37,11 +37,10 @@ void validate(const JointDef& joint, const std::string& path) {
   if (joint.angularDampingRatio > 0 && joint.angularStiffness == kHard)
     throw Error(path + ".angularDampingRatio", "an angularStiffness beside it", "a hard joint");
   if (joint.ratio == 0) throw Error(path + ".ratio", "a number other than 0", "0");
-  for (std::size_t i = 0; i < joint.axes.size(); ++i)
-    validateAxis(joint.axes[i], path + ".axes[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < joint.axes.size(); ++i) validateAxis(joint.axes[i], (path + ".axes")[i]);
 }
 
-void checkFrameBody(JointType type, int body, int frameBody, const std::string& path) {
+void checkFrameBody(JointType type, int body, int frameBody, const Path& path) {
   if (frameBody == kWorld) return;
   if (!kindOf(type).hasFrameBodies) throw Error(path, std::string("none for a ") + keyword(type), "a body");
   if (frameBody == body) throw Error(path, "another body than the one that moves in it", "the same");

@@ -10,8 +10,6 @@ namespace rubble {
 
 namespace {
 
-using checks::element;
-
 void sameLength(std::size_t wanted, std::size_t got, const char* path) {
   if (got != wanted)
     throw Error(path, "as many as there are ids, " + std::to_string(wanted), std::to_string(got));
@@ -19,7 +17,7 @@ void sameLength(std::size_t wanted, std::size_t got, const char* path) {
 
 int numbersOf(StateArray which) { return which == StateArray::Orientation ? 4 : 3; }
 
-void expect(bool holds, const std::string& path, const std::string& expected, const std::string& got) {
+void expect(bool holds, const Path& path, const std::string& expected, const std::string& got) {
   if (!holds) throw Error(path, expected, got);
 }
 
@@ -65,7 +63,7 @@ class HostPoseCopies final : public PoseCopies {
 }  // namespace
 
 std::vector<BodyId> World::addBodies(std::span<const BodyDef> bodies) {
-  for (std::size_t k = 0; k < bodies.size(); ++k) validate(bodies[k], element("bodies", k));
+  for (std::size_t k = 0; k < bodies.size(); ++k) validate(bodies[k], Path("bodies")[k]);
   return impl_->addBodies(bodies, "bodies");
 }
 
@@ -75,9 +73,9 @@ std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies, cons
   std::vector<ReadyBody> ready;
   ready.reserve(bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    ready.push_back(this->ready(bodies[k], element(list, k), fresh));
+    ready.push_back(this->ready(bodies[k], Path(list)[k], fresh));
     if (!bodies[k].name.empty())
-      expect(names.emplace(bodies[k].name, k).second, element(list, k) + ".name", kOwnName,
+      expect(names.emplace(bodies[k].name, k).second, Path(list)[k] + ".name", kOwnName,
              "\"" + bodies[k].name + "\"");
   }
   std::vector<BodyId> ids;
@@ -92,7 +90,7 @@ void World::setStates(std::span<const BodyId> ids, std::span<const BodyState> st
   sameLength(ids.size(), states.size(), "states");
   for (std::size_t k = 0; k < ids.size(); ++k) {
     impl_->requireAlive(ids[k]);
-    validate(states[k], element("states", k));
+    validate(states[k], Path("states")[k]);
   }
   std::vector<Edit> edits;
   for (std::size_t k = 0; k < ids.size(); ++k) {
@@ -160,7 +158,7 @@ void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& va
   if (!values.device)
     for (std::int64_t k = 0; k < values.shape[0]; ++k)
       for (int j = 0; j < numbers; ++j)
-        expect(std::isfinite(numberAt(values, k, j)), element("values", static_cast<std::size_t>(k)),
+        expect(std::isfinite(numberAt(values, k, j)), Path("values")[static_cast<std::size_t>(k)],
                "finite numbers", "others");
   impl_->engine->scatter(which, rows, values);
 }

@@ -61,7 +61,7 @@ class QueryShapes {
     BodyDef probe;
     probe.shape = query.shape;
     probe.position = query.position, probe.orientation = query.orientation;
-    validate(probe, std::string(list) + "[" + std::to_string(i) + "]");
+    validate(probe, Path(list)[i]);
     EngineQuery q = filtered(kind, query.filter);
     q.shape = cooked(query.shape, at(list, i, "shape"));
     const BodyState state = ShapeFrame{q.shape->unit.center, q.shape->unit.axes}.toEngine(
@@ -71,7 +71,7 @@ class QueryShapes {
   }
 
  private:
-  std::shared_ptr<const CookedShape> cooked(const Shape& shape, const std::string& path) {
+  std::shared_ptr<const CookedShape> cooked(const Shape& shape, const Path& path) {
     if (!shape.geometry) return std::make_shared<const CookedShape>(cook(shape, path));
     for (const std::span<const CookedEntry> entries : {std::span(known_), std::span<const CookedEntry>(own_)})
       if (const CookedEntry* entry = findCooked(entries, shape)) return entry->cooked;

@@ -41,7 +41,7 @@ const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape&
   return found == entries.end() ? nullptr : &*found;
 }
 
-std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, const std::string& path,
+std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, const Path& path,
                                                           std::vector<CookedEntry>& fresh) const {
   if (!shape.geometry) return std::make_shared<const CookedShape>(cook(shape, path));
   for (const std::span<const CookedEntry> entries :

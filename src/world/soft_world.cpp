@@ -23,7 +23,7 @@ template <class Id, class Record> std::vector<Id> inOrder(const Slots<Id, Record
 
 /// Weights of one side of an attachment: not negative, sum 1.
 std::vector<double> sideWeights(const std::vector<int>& vertices, const std::vector<double>& weights,
-                                int count, const std::string& path) {
+                                int count, const Path& path) {
   if (vertices.empty()) throw Error(path, "at least one vertex", "none");
   for (const int v : vertices)
     if (v < 0 || v >= count) throw Error(path, "indices below " + std::to_string(count), std::to_string(v));
@@ -46,7 +46,7 @@ void World::Impl::requireAlive(AttachmentId id) const {
   if (!registry.attachments.alive(id)) throw Error("attachment", "an id that is alive", describe(id));
 }
 
-DeformableId World::Impl::addSoft(const Deformable& def, const std::string& path) {
+DeformableId World::Impl::addSoft(const Deformable& def, const Path& path) {
   const std::string& name = common(def).name;
   if (!name.empty() && registry.softNames.contains(name))
     throw Error(path + ".name", "a name that no other deformable object has", "\"" + name + "\"");
@@ -68,7 +68,7 @@ void World::Impl::removeSoft(DeformableId id) {
 }
 
 AttachmentId World::Impl::addAttachment(const AttachmentDef& def, DeformableId object, BodyId body,
-                                        DeformableId other, const std::string& path) {
+                                        DeformableId other, const Path& path) {
   requireAlive(object);
   if (body.index >= 0) requireAlive(body);
   if (other.index >= 0) requireAlive(other);

@@ -10,7 +10,7 @@ namespace {
 
 using namespace checks;
 
-void validateShape(const Shape& s, Motion motion, const std::string& path) {
+void validateShape(const Shape& s, Motion motion, const Path& path) {
   validate(s, path);
   if (s.type == ShapeType::Plane && motion != Motion::Static)
     throw Error(path, "a static body for a plane", "a moving one");
@@ -18,7 +18,7 @@ void validateShape(const Shape& s, Motion motion, const std::string& path) {
     throw Error(path, "a static or kinematic body for a surface without thickness", "a dynamic one");
 }
 
-void validateJoint(const Scene& scene, const JointDef& joint, const std::string& path) {
+void validateJoint(const Scene& scene, const JointDef& joint, const Path& path) {
   const int count = static_cast<int>(scene.bodies.size());
   const auto inRange = [&](int body, const char* name) {
     if (body != kWorld && (body < 0 || body >= count))
@@ -41,7 +41,7 @@ void validateJoint(const Scene& scene, const JointDef& joint, const std::string&
 
 }  // namespace
 
-void validate(const BodyDef& body, const std::string& path) {
+void validate(const BodyDef& body, const Path& path) {
   enumeration(body.motion, Motion::Dynamic, path + ".motion");
   validateShape(body.shape, body.motion, path + ".shape");
   material(body.material, path + ".material");
@@ -67,7 +67,7 @@ void validate(const BodyDef& body, const std::string& path) {
   finite(body.gravityScale, path + ".gravityScale");
 }
 
-void validate(const BodyState& state, const std::string& path) {
+void validate(const BodyState& state, const Path& path) {
   finite(state.position, path + ".position");
   unit(state.orientation, path + ".orientation");
   finite(state.velocity, path + ".velocity");
@@ -76,15 +76,14 @@ void validate(const BodyState& state, const std::string& path) {
 
 void validate(const Scene& scene) {
   finite(scene.gravity, "gravity");
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-    validate(scene.bodies[i], "bodies[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) validate(scene.bodies[i], Path("bodies")[i]);
   for (std::size_t i = 0; i < scene.joints.size(); ++i)
-    validateJoint(scene, scene.joints[i], "joints[" + std::to_string(i) + "]");
+    validateJoint(scene, scene.joints[i], Path("joints")[i]);
   for (std::size_t i = 0; i < scene.deformables.size(); ++i)
-    validate(scene.deformables[i], "deformables[" + std::to_string(i) + "]");
+    validate(scene.deformables[i], Path("deformables")[i]);
   for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
     const AttachmentDef& a = scene.attachments[i];
-    const std::string path = "attachments[" + std::to_string(i) + "]";
+    const Path list("attachments"), path = list[i];
     const auto check = [&](int index, std::size_t count, int least, const char* name) {
       if (index < least || (index >= 0 && static_cast<std::size_t>(index) >= count))
         throw Error(path + name, "an index below " + std::to_string(count), std::to_string(index));
@@ -95,7 +94,7 @@ void validate(const Scene& scene) {
   }
   for (std::size_t i = 0; i < scene.exclusions.size(); ++i) {
     const auto [a, b] = scene.exclusions[i];
-    const std::string path = "exclusions[" + std::to_string(i) + "]";
+    const Path list("exclusions"), path = list[i];
     const int count = static_cast<int>(scene.bodies.size());
     for (const int body : {a, b})
       if (body < 0 || body >= count)
@@ -103,11 +102,11 @@ void validate(const Scene& scene) {
     if (a == b) throw Error(path, "two different bodies", "the same one twice");
   }
   for (std::size_t i = 0; i < scene.events.size(); ++i) {
-    const std::string path = "events[" + std::to_string(i) + "]";
+    const Path list("events"), path = list[i];
     if (scene.events[i].step < 0)
       throw Error(path + ".step", "a step of at least 0", std::to_string(scene.events[i].step));
     for (std::size_t k = 0; k < scene.events[i].add.size(); ++k)
-      validate(scene.events[i].add[k], path + ".add[" + std::to_string(k) + "]");
+      validate(scene.events[i].add[k], (path + ".add")[k]);
   }
 }
 

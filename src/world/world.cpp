@@ -66,14 +66,13 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
                     idOf(joint.frameBodyB));
   for (const auto& [a, b] : scene.exclusions) impl_->exclude(idOf(a), idOf(b), true);
   for (std::size_t i = 0; i < scene.deformables.size(); ++i)
-    r.sceneSofts.push_back(impl_->addSoft(scene.deformables[i], "deformables[" + std::to_string(i) + "]"));
+    r.sceneSofts.push_back(impl_->addSoft(scene.deformables[i], Path("deformables")[i]));
   const auto softOf = [&](int object) {
     return object < 0 ? DeformableId{} : r.sceneSofts[static_cast<std::size_t>(object)];
   };
   for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
     const AttachmentDef& a = scene.attachments[i];
-    impl_->addAttachment(a, softOf(a.object), idOf(a.body), softOf(a.otherObject),
-                         "attachments[" + std::to_string(i) + "]");
+    impl_->addAttachment(a, softOf(a.object), idOf(a.body), softOf(a.otherObject), Path("attachments")[i]);
   }
 }
 

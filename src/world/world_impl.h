@@ -85,7 +85,7 @@ const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape&
 inline constexpr int kMostThreads = 1024;
 
 /// Throws Error with the path of a value that is not finite, or of an invalid rotation.
-void validate(const BodyState& state, const std::string& path);
+void validate(const BodyState& state, const Path& path);
 
 struct JointRecord {
   JointDef def;
@@ -170,14 +170,14 @@ struct World::Impl {
   Events events;
 
   /// The cooked shape. Geometry that the engine or `fresh` already has is not cooked again.
-  std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const std::string& path,
+  std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const Path& path,
                                                std::vector<CookedEntry>& fresh) const;
   /// Offset of its indices in the tables of the engine. Equal geometry is stored once.
   int placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked);
   /// Index into the materials of the engine, or -1 if the material needs no entry.
   int surfaceOf(const Material& material);
   /// Throws Error for a body that cannot be made, without changing anything.
-  ReadyBody ready(const BodyDef& def, const std::string& path, std::vector<CookedEntry>& fresh) const;
+  ReadyBody ready(const BodyDef& def, const Path& path, std::vector<CookedEntry>& fresh) const;
   BodyId addBody(const BodyDef& def, const ReadyBody& ready);
   /// Adds all bodies or, with an Error, none.
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const std::string& list);
@@ -209,9 +209,9 @@ struct World::Impl {
   BodyState bodyState(BodyId id) const { return engine->read(Fetch::Body, id.index).state(id.index); }
   void requireAlive(JointId id) const;
   PoseCopies& poseCopies();
-  DeformableId addSoft(const Deformable& def, const std::string& path);
+  DeformableId addSoft(const Deformable& def, const Path& path);
   AttachmentId addAttachment(const AttachmentDef& def, DeformableId object, BodyId body, DeformableId other,
-                             const std::string& path);
+                             const Path& path);
   void removeSoft(DeformableId id);
   void removeAttachment(AttachmentId id);
   void removeAttachmentsOf(BodyId id);

@@ -93,7 +93,7 @@ struct PlanarKind {
     b.joint.isRigid = false;
     b.joint.constants.set(PlanarJoint::Constants{ownIn<PlanarFields>(b.def.own).offset});
   }
-  static void check(const JointDef& def, const std::string& path) {
+  static void check(const JointDef& def, const Path& path) {
     if (def.stiffness < 1) throw Error(path + ".stiffness", "at least 1 N/m for a planar joint", "less");
   }
 };
