@@ -113,6 +113,8 @@ class StateArrays:
     """The arrays of a world, as properties. numpy arrays on the CPU, `Array` objects on a GPU."""
 
     _pointer: ctypes.c_void_p
+    _view: _abi.Array
+    _view_reference: Any
     _views: list[Any]
     _epoch: int
 

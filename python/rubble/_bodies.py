@@ -11,6 +11,9 @@ from ._library import Error, check, encode, json_of, lib, list_of, matrix, text_
 from ._shapes import Mass
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._fields import BodyFields
     from ._world import World
 
 Vector = Sequence[float]
@@ -246,7 +249,7 @@ class Bodies(Collection):
 
     _list, _find, _id_type, _type = "rb_world_bodies", "rb_world_find_body", _abi.BodyId, Body
 
-    def add(self, **fields: Any) -> Body:
+    def add(self, **fields: Unpack[BodyFields]) -> Body:
         """Adds a body with the keys of scene files: shape, position, mass, motion, material and others."""
         out = _abi.BodyId()
         check(lib.rb_world_add_body(self._world._pointer, encode(fields), ctypes.byref(out)))

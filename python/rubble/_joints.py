@@ -2,13 +2,18 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any, NamedTuple, Optional, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Sequence
 
 import numpy as np
 
 from . import _abi
 from ._bodies import Body, Collection, Element, Vector, id_of
 from ._library import check, encode, json_of, lib, text_of, vector
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._fields import JointFields, JointValues
 
 
 class AxisState(NamedTuple):
@@ -64,10 +69,11 @@ class Joint(Element):
         """A and B; None: the static world."""
         ids = (_abi.BodyId * 4)()
         check(lib.rb_world_joint_bodies(self._world._pointer, self._id, ids))
-        return tuple(Body(self._world, _abi.BodyId(id.index, id.generation)) if id.index >= 0 else None
-                     for id in ids[:2])
+        a, b = (Body(self._world, _abi.BodyId(id.index, id.generation)) if id.index >= 0 else None
+                for id in ids[:2])
+        return a, b
 
-    def set(self, **values: Any) -> None:
+    def set(self, **values: Unpack[JointValues]) -> None:
         """Replaces values from the next step on, with the keys of scene files: ``set(axes=[{"max": 1}])``."""
         check(lib.rb_world_set_joint(self._world._pointer, self._id, encode(values)))
 
@@ -116,7 +122,7 @@ class Joints(Collection):
     _list, _find, _id_type, _type = "rb_world_joints", "rb_world_find_joint", _abi.JointId, Joint
 
     def add(self, type: str, a: Optional[Body], b: Optional[Body] = None, *,
-            frame_bodies: Sequence[Optional[Body]] = (None, None), **fields: Any) -> Joint:
+            frame_bodies: Sequence[Optional[Body]] = (None, None), **fields: Unpack[JointFields]) -> Joint:
         """Adds a joint between two bodies (None: the static world).
 
         Args:
@@ -131,7 +137,7 @@ class Joints(Collection):
                                      id_of(frame_bodies[0]), id_of(frame_bodies[1]), ctypes.byref(out)))
         return Joint(self._world, out)
 
-    def add_coupling(self, type: str, a: Joint, b: Joint, **fields: Any) -> Joint:
+    def add_coupling(self, type: str, a: Joint, b: Joint, **fields: Unpack[JointValues]) -> Joint:
         """Adds a "gear" between two hinges, or a "rack" between a hinge and a slider. `ratio`: see the scene
         format."""
         out = _abi.JointId()

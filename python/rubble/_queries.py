@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 import numpy as np
 
@@ -10,6 +10,11 @@ from . import _abi
 from ._bodies import WORLD, Body, Vector
 from ._library import check, lib, list_of, matrix, structs
 from ._shapes import Definition, ShapeHandle
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._fields import FilterFields
 
 ALL = 0xFFFFFFFF
 
@@ -62,12 +67,12 @@ class Queries:
         return Hit(body, float(found[measure]), found["position"].copy(), normal)
 
     def cast_ray(self, origin: Vector, direction: Vector, max_distance: float = 1e6,
-                 **filter: Any) -> Optional[Hit]:
+                 **filter: Unpack[FilterFields]) -> Optional[Hit]:
         """First body on a ray from `origin` [m], or None."""
         return self._hit(self.cast_rays([origin], [direction], max_distance, **filter)[0], "distance")
 
     def cast_rays(self, origins: Any, directions: Any, max_distance: float = 1e6,
-                  **filter: Any) -> np.ndarray:
+                  **filter: Unpack[FilterFields]) -> np.ndarray:
         """First hits of many rays: origins (n, 3) [m], directions (n, 3) of any length.
 
         Returns:
@@ -82,13 +87,13 @@ class Queries:
         return hits
 
     def cast_shape(self, shape: Definition, position: Vector, displacement: Vector,
-                   orientation: Vector = (1, 0, 0, 0), **filter: Any) -> Optional[Hit]:
+                   orientation: Vector = (1, 0, 0, 0), **filter: Unpack[FilterFields]) -> Optional[Hit]:
         """First body that a shape meets on a straight way [m], or None."""
         return self._hit(self.cast_shapes(shape, [position], [displacement], [orientation], **filter)[0],
                          "fraction")
 
     def cast_shapes(self, shape: Definition, positions: Any, displacements: Any, orientations: Any = None,
-                    **filter: Any) -> np.ndarray:
+                    **filter: Unpack[FilterFields]) -> np.ndarray:
         """First hits of a shape on many ways: positions, displacements (n, 3) [m], orientations (n, 4).
 
         Returns:
@@ -102,12 +107,12 @@ class Queries:
         return hits
 
     def overlap(self, shape: Definition, position: Vector, orientation: Vector = (1, 0, 0, 0),
-                **filter: Any) -> list[Body]:
+                **filter: Unpack[FilterFields]) -> list[Body]:
         """Bodies that overlap a shape at a place [m]."""
         return self.overlaps(shape, [position], [orientation], **filter)[0]
 
     def overlaps(self, shape: Definition, positions: Any, orientations: Any = None,
-                 **filter: Any) -> list[list[Body]]:
+                 **filter: Unpack[FilterFields]) -> list[list[Body]]:
         """Bodies that overlap a shape at each of many places: positions (n, 3) [m], orientations (n, 4)."""
         handle = ShapeHandle(shape)
         queries = _placed(np.dtype(_abi.Overlap), handle, positions, orientations, filter)
@@ -119,11 +124,13 @@ class Queries:
         found = [Body(self, _abi.BodyId(*id)) for id in ids]  # type: ignore[arg-type]
         return [found[begin:end] for begin, end in zip(ends[:-1], ends[1:])]
 
-    def closest_point(self, point: Vector, max_distance: float = 1e3, **filter: Any) -> Optional[Hit]:
+    def closest_point(self, point: Vector, max_distance: float = 1e3,
+                      **filter: Unpack[FilterFields]) -> Optional[Hit]:
         """Closest point of any body to a point [m], or None."""
         return self._hit(self.closest_points([point], max_distance, **filter)[0], "distance")
 
-    def closest_points(self, points: Any, max_distance: float = 1e3, **filter: Any) -> np.ndarray:
+    def closest_points(self, points: Any, max_distance: float = 1e3,
+                       **filter: Unpack[FilterFields]) -> np.ndarray:
         """Closest points of bodies to points (n, 3) [m].
 
         Returns:
@@ -182,7 +189,7 @@ def _set_filter(queries: np.ndarray, layers: int = ALL, mask: int = ALL, sensors
 
 
 def _placed(kind: np.dtype, handle: ShapeHandle, positions: Any, orientations: Any,
-            filter: dict[str, Any]) -> np.ndarray:
+            filter: FilterFields) -> np.ndarray:
     """Queries of one shape at many places."""
     places = matrix(positions, "positions")
     queries = np.zeros(len(places), kind)

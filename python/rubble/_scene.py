@@ -3,10 +3,15 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import Any, NamedTuple, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Sequence, Union
 
 from . import _abi  # noqa: F401
 from ._library import Handle, check, encode, json_of, lib, text_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._fields import BodyOptions, DeformableFields, RodFields, SceneAttachmentFields, SceneJointFields
 
 Definition = dict[str, Any]
 
@@ -87,26 +92,28 @@ class Scene:
         check(lib.rb_scene_add(self._pointer, list.encode(), encode(definition), ctypes.byref(out)))
         return out.value
 
-    def add_body(self, shape: Definition, **fields: Any) -> int:
+    def add_body(self, shape: Union[Definition, str], **fields: Unpack[BodyOptions]) -> int:
         """Adds a body: name, position [m], mass [kg] or density [kg/m3], motion, material and others.
         Returns its index."""
         return self.add("bodies", {"shape": shape, **fields})
 
     def add_joint(self, type: str, body_a: Union[str, int], body_b: Union[str, int] = "world",
-                  **fields: Any) -> int:
+                  **fields: Unpack[SceneJointFields]) -> int:
         """Adds a joint between two bodies by name or index ("world": the static world). "anchor" [m] and
         "axis" are in the world."""
         return self.add("joints", {"type": type, "body_a": body_a, "body_b": body_b, **fields})
 
-    def add_deformable(self, definition: Optional[Definition] = None, **fields: Any) -> int:
+    def add_deformable(self, definition: Optional[Definition] = None,
+                       **fields: Unpack[DeformableFields]) -> int:
         """Adds a deformable object: keys of scene files, or a definition that `tet_box` and others make."""
         return self.add("deformables", {**(definition or {}), **fields})
 
-    def add_attachment(self, object: Union[str, int], vertices: Sequence[int], **fields: Any) -> int:
+    def add_attachment(self, object: Union[str, int], vertices: Sequence[int],
+                       **fields: Unpack[SceneAttachmentFields]) -> int:
         """Attaches vertices of an object to `body`, to `other_object` or to the world."""
         return self.add("attachments", {"object": object, "vertices": list(vertices), **fields})
 
-    def add_rod(self, points: Any, **fields: Any) -> Rod:
+    def add_rod(self, points: Any, **fields: Unpack[RodFields]) -> Rod:
         """Adds a rod of rigid segments along points (n, 3) [m] that resists stretch, bending and twist."""
         out = (ctypes.c_int32 * 4)()
         check(lib.rb_scene_add_rod(self._pointer, encode({"points": points, **fields}), out))

@@ -12,6 +12,9 @@ from ._joints import JointState
 from ._library import check, encode, json_of, lib, list_of, matrix, text_of, vector
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._fields import AttachmentFields, DeformableFields
     from ._world import World
 
 Definition = dict[str, Any]
@@ -120,7 +123,8 @@ class Deformables(Collection):
     _list, _find = "rb_world_deformables", "rb_world_find_deformable"
     _id_type, _type = _abi.DeformableId, Deformable
 
-    def add(self, definition: Optional[Definition] = None, **fields: Any) -> Deformable:
+    def add(self, definition: Optional[Definition] = None,
+            **fields: Unpack[DeformableFields]) -> Deformable:
         """Adds an object with the keys of scene files, or a definition that `tet_box` and others make, with
         `fields` in addition."""
         out = _abi.DeformableId()
@@ -171,7 +175,7 @@ class Attachments(Collection):
         return self._make(*self.ids[key].tolist())
 
     def add(self, object: Deformable, vertices: Sequence[int], body: Optional[Body] = None, *,
-            other: Optional[Deformable] = None, **fields: Any) -> Attachment:
+            other: Optional[Deformable] = None, **fields: Unpack[AttachmentFields]) -> Attachment:
         """Attaches the mean of up to four vertices to a body (None: the world) or to `other_vertices` of
         another object. `fields`: keys of scene files, such as ``stiffness`` [N/m] and ``anchor`` [m]."""
         out = _abi.AttachmentId()

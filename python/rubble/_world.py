@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any, Iterator
+from typing import TYPE_CHECKING, Any, Iterator
 
 import numpy as np
 
@@ -26,6 +26,25 @@ class StepReport:
     """
 
     __slots__ = ("_plain",)
+    if TYPE_CHECKING:
+        step: int
+        bodies: int
+        pairs: int
+        manifolds: int
+        contacts: int
+        vertices: int
+        vertex_contacts: int
+        colors: int
+        clashes: int
+        broken_joints: int
+        sleeping_bodies: int
+        stopped_bodies: int
+        quarantined: int
+        failed_solves: int
+        restarts: int
+        sorted: int
+        unfinished_motion: float
+        total_ms: float
     _NAMES = tuple(name for name, *_ in _abi.StepReport._fields_)
 
     def __init__(self) -> None:

@@ -6,22 +6,24 @@
 
 static int failures = 0;
 
-#define CHECK(condition)                                                          \
-  do {                                                                            \
-    if (!(condition)) {                                                           \
-      fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);             \
-      fprintf(stderr, "  last error: %s\n", rb_last_error()->message);            \
-      ++failures;                                                                 \
-    }                                                                             \
+#define CHECK(condition)                                               \
+  do {                                                                 \
+    if (!(condition)) {                                                \
+      fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);  \
+      fprintf(stderr, "  last error: %s\n", rb_last_error()->message); \
+      ++failures;                                                      \
+    }                                                                  \
   } while (0)
 
-static const char* kBox = "{\"name\": \"crate\", \"shape\": {\"type\": \"box\", \"size\": [1, 1, 1]}, \"mass\": 2, "
-                          "\"position\": [0, 0, 2]}";
+static const char* kBox =
+    "{\"name\": \"crate\", \"shape\": {\"type\": \"box\", \"size\": [1, 1, 1]}, \"mass\": 2, "
+    "\"position\": [0, 0, 2]}";
 
 static rb_scene* sceneOfACrate(void) {
   rb_scene* scene = NULL;
   CHECK(rb_scene_create("", &scene) == RB_OK);
-  CHECK(rb_scene_add(scene, "bodies", "{\"name\": \"ground\", \"shape\": {\"type\": \"plane\"}}", NULL) == RB_OK);
+  CHECK(rb_scene_add(scene, "bodies", "{\"name\": \"ground\", \"shape\": {\"type\": \"plane\"}}", NULL) ==
+        RB_OK);
   CHECK(rb_scene_add(scene, "bodies", kBox, NULL) == RB_OK);
   return scene;
 }
