@@ -2,15 +2,12 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, Optional
+from typing import Any, Optional
 
 import numpy as np
 
 from . import _abi
 from ._library import check, invalid, lib
-
-if TYPE_CHECKING:
-    from ._world import World
 
 NAMES = ("position", "orientation", "velocity", "angular_velocity", "force", "torque")
 _NONE = ctypes.c_void_p()
@@ -47,11 +44,12 @@ class Array:
     unchanged.
     """
 
-    __slots__ = ("_world", "_which", "_view")
+    __slots__ = ("_owner", "_which", "_view")
 
-    def __init__(self, world: World, which: int) -> None:
-        self._world, self._which, self._view = world, which, _abi.Array()
-        check(lib.rb_world_array(world._pointer, which, ctypes.byref(self._view)))
+    def __init__(self, owner: Any, which: int) -> None:
+        # the owner of the C world alone, so that a world that caches its views is no cycle of references
+        self._owner, self._which, self._view = owner, which, _abi.Array()
+        check(lib.rb_world_array(owner.pointer, which, ctypes.byref(self._view)))
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -98,7 +96,7 @@ class Array:
         if copy:
             raise BufferError("a view is never a copy: copy the result")
         tensor = ctypes.c_void_p()
-        check(lib.rb_world_dlpack(self._world._pointer, self._which, ctypes.byref(tensor)))
+        check(lib.rb_world_dlpack(self._owner.pointer, self._which, ctypes.byref(tensor)))
         return _new_capsule(tensor, _TENSOR, ctypes.cast(_delete_capsule, ctypes.c_void_p))
 
     def __len__(self) -> int:
@@ -112,6 +110,7 @@ class Array:
 class StateArrays:
     """The arrays of a world, as properties. numpy arrays on the CPU, `Array` objects on a GPU."""
 
+    _owner: Any
     _pointer: ctypes.c_void_p
     _view: _abi.Array
     _view_reference: Any
@@ -128,13 +127,13 @@ class StateArrays:
             self._views, self._epoch = [None] * len(NAMES), epoch
         found = self._views[which]
         if found is None:
-            view = Array(self, which)  # type: ignore[arg-type]
+            view = Array(self._owner, which)
             found = self._views[which] = view if view.on_device else np.asarray(view)
         return found
 
     def array(self, name: str) -> Array:
         """One of "position", "orientation", "velocity", "angular_velocity", "force", "torque" as `Array`."""
-        return Array(self, index_of(name))  # type: ignore[arg-type]
+        return Array(self._owner, index_of(name))
 
     @property
     def positions(self) -> Any:

@@ -99,6 +99,6 @@ class ShapeHandle(Handle):
 
 def mass_of(shape: Definition, density: float = 1000) -> Mass:
     """Mass properties of a shape at a density [kg/m3]."""
-    out = _abi.Mass()
-    check(lib.rb_shape_mass(ShapeHandle(shape).pointer, density, ctypes.byref(out)))
+    handle, out = ShapeHandle(shape), _abi.Mass()
+    check(lib.rb_shape_mass(handle.pointer, density, ctypes.byref(out)))
     return Mass.of(out)

@@ -137,11 +137,32 @@ class World(StateArrays, Queries, View):
         self._view_reference = ctypes.byref(self._view)
         self._views: list[Any] = [None] * len(NAMES)
         self._epoch = -1
-        self.bodies = Bodies(self)  #: bodies by name or place
-        self.joints = Joints(self)  #: joints by name or place
-        self.deformables = Deformables(self)  #: deformable objects by name or place
-        self.attachments = Attachments(self)  #: attachments by place
-        self.params = Params(self)  #: parameters by name
+
+    # Made anew each time, because a world that kept them would be a cycle of references.
+    @property
+    def bodies(self) -> Bodies:
+        """Bodies by name or place."""
+        return Bodies(self)
+
+    @property
+    def joints(self) -> Joints:
+        """Joints by name or place."""
+        return Joints(self)
+
+    @property
+    def deformables(self) -> Deformables:
+        """Deformable objects by name or place."""
+        return Deformables(self)
+
+    @property
+    def attachments(self) -> Attachments:
+        """Attachments by place."""
+        return Attachments(self)
+
+    @property
+    def params(self) -> Params:
+        """Parameters by name."""
+        return Params(self)
 
     def step(self, count: int = 1) -> StepReport:
         """Advances the world by `count` steps of ``params.dt``. Returns the report of the last one. Ctrl-C

@@ -3,6 +3,7 @@ import ctypes
 import gc
 import sys
 import time
+import weakref
 
 import numpy as np
 import rubble
@@ -43,6 +44,17 @@ class Arrays(Case):
         self.assertEqual(positions.shape[1], 3)
         self.assertNear(positions[1], (0, 0, 2))
 
+    def test_a_world_is_freed_with_its_last_reference(self):
+        world = crate_world()
+        world.positions, world.bodies["crate"].position, world.params.dt
+        gone = weakref.ref(world)
+        gc.disable()
+        try:
+            del world
+            self.assertIsNone(gone())
+        finally:
+            gc.enable()
+
     def test_scatter_writes_rows(self):
         world = crate_world()
         crate = world.bodies["crate"]
@@ -67,11 +79,11 @@ class Arrays(Case):
 
     def test_a_capsule_that_nobody_takes_is_freed(self):
         world = crate_world()
-        before = sys.getrefcount(world)
+        before = sys.getrefcount(world._owner)
         for _ in range(100):
             world.array("velocity").__dlpack__()
         gc.collect()
-        self.assertEqual(sys.getrefcount(world), before)
+        self.assertEqual(sys.getrefcount(world._owner), before)
 
     def test_an_array_on_the_host_has_no_cuda_interface(self):
         array = crate_world().array("force")

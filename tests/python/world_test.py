@@ -119,20 +119,24 @@ class Steps(Case):
             world.step(100_000_000)
         self.assertGreater(world.step_count, 0)
 
-    def test_other_threads_run_while_a_world_steps(self):
-        world = rubble.World(rubble.Scene.from_registry("pyramid", base=20), threads=1)
-        ticks = []
+    def test_other_threads_run_during_a_step(self):
+        world = rubble.World(rubble.Scene.from_registry("pyramid", base=100), threads=1)
+        ticks, started, done = [], threading.Event(), threading.Event()
 
         def tick():
-            while world.step_count < 1:
+            while not done.wait(0.001):
                 ticks.append(time.perf_counter())
-                time.sleep(0.0005)
+                started.set()
 
         other = threading.Thread(target=tick)
         other.start()
+        started.wait()
+        begin = time.perf_counter()
         world.step()
+        end = time.perf_counter()
+        done.set()
         other.join()
-        self.assertGreater(len(ticks), 1)
+        self.assertGreater(sum(begin < moment < end for moment in ticks), 1)
 
 
 if __name__ == "__main__":
