@@ -43,3 +43,5 @@ __all__ = [
     "cone", "cylinder", "distance_field", "height_field", "hull", "info", "mass_of", "mesh", "plane",
     "save_png", "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",
 ]
+for _name in __all__:  # tracebacks and help() name them as users do
+    globals()[_name].__module__ = "rubble"

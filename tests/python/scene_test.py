@@ -24,6 +24,7 @@ class Scenes(Case):
         error = self.assertInvalid("bodies[2].mass", lambda: crate_scene().add_body(rubble.sphere(1), mass=-1))
         self.assertEqual(error.expected, "a mass above 0 [kg]")
         self.assertEqual(error.found, "-1")
+        self.assertEqual(f"{type(error).__module__}.{type(error).__name__}", "rubble.Error")
         self.assertEqual(str(error), "bodies[2].mass: expected a mass above 0 [kg], got -1")
 
     def test_a_body_that_was_refused_leaves_no_trace(self):
