@@ -1,8 +1,10 @@
 # What stands around the library and is not installed with it: files, scenes and the command line program.
 
-find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
-find_package(CLI11 REQUIRED)
+if(RUBBLE_APPS OR RUBBLE_TESTS)
+  find_package(fmt REQUIRED)
+  find_package(CLI11 REQUIRED)
+endif()
 find_package(ZLIB REQUIRED)
 find_package(PNG)
 find_path(RUBBLE_ZSTD_INCLUDE zstd.h)

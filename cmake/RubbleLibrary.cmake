@@ -26,7 +26,6 @@ function(rubble_add_core name core real)
   add_library(${name} OBJECT ${ARGN})
   target_compile_definitions(${name} PRIVATE RUBBLE_CORE=${core} RUBBLE_REAL=${real})
   target_link_libraries(${name} PRIVATE rubble_common)
-  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ${BUILD_SHARED_LIBS})
   target_sources(rubble PRIVATE $<TARGET_OBJECTS:${name}>)
 endfunction()
 

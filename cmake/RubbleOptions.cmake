@@ -17,6 +17,13 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 
+# One set of objects serves programs and the C library. Hidden symbols keep position-independent code as fast as any other.
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT BUILD_SHARED_LIBS)
+  set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+  set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+endif()
+
 # Precompiled headers: those of the standard library and those given. None of ours: GCC knows a header with `#pragma once` again by
 # the time of its last change, and a compiler cache may bring a precompiled one from before it.
 option(RUBBLE_PRECOMPILE "Precompile headers that many files include" ON)

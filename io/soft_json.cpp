@@ -229,6 +229,15 @@ AttachmentDef readAttachment(const Node& node, const std::vector<Deformable>& ob
   return out;
 }
 
+AttachmentDef readAttachment(const Node& node) {
+  AttachmentDef out;
+  ObjectReader object(node, "an attachment");
+  if (!object.isObject()) return out;
+  kFieldsOfAttachment(out, FieldReader(object, {}));
+  object.finish();
+  return out;
+}
+
 Ordered deformableJson(const Deformable& object, const Ordered& material) {
   Ordered json = Ordered::object();
   json["type"] = kDeformableKeywords[object.index()];

@@ -13,6 +13,9 @@ Deformable readDeformable(const Node& node, const std::function<Material(const N
 AttachmentDef readAttachment(const Node& node, const std::vector<Deformable>& objects,
                              const std::function<int(const Node&)>& body);
 
+/// An attachment without the objects and the body that it refers to.
+AttachmentDef readAttachment(const Node& node);
+
 /// `material`: how the file names that of the object; null for the usual one.
 nlohmann::ordered_json deformableJson(const Deformable& object, const nlohmann::ordered_json& material);
 /// `body`: how the file refers to it.

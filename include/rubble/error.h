@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #if defined(__clang__)
 #define RUBBLE_REFERS_TO_THIS [[clang::lifetimebound]]
@@ -39,20 +40,25 @@ class Path {
 };
 
 /// Invalid input. `path()` names the field ("bodies[3].mass"). `what()` gives the path, the expected value
-/// and the actual value.
+/// and the actual value. The three parts are empty for an error that is a message only.
 class Error : public std::runtime_error {
  public:
-  Error(const Path& path, const std::string& expected, const std::string& got)
-      : Error(path.text(), expected, got, 0) {}
+  Error(const Path& path, std::string expected, std::string got)
+      : Error(path.text(), std::move(expected), std::move(got), 0) {}
   explicit Error(const std::string& message) : std::runtime_error(message) {}
 
   const std::string& path() const { return path_; }
+  const std::string& expected() const { return expected_; }
+  const std::string& found() const { return found_; }
 
  private:
-  Error(std::string path, const std::string& expected, const std::string& got, int)
-      : std::runtime_error(path + ": expected " + expected + ", got " + got), path_(std::move(path)) {}
+  Error(std::string path, std::string expected, std::string got, int)
+      : std::runtime_error(path + ": expected " + expected + ", got " + got),
+        path_(std::move(path)),
+        expected_(std::move(expected)),
+        found_(std::move(got)) {}
 
-  std::string path_;
+  std::string path_, expected_, found_;
 };
 
 }  // namespace rubble

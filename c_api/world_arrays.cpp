@@ -1,0 +1,93 @@
+#include <rubble/c/world.h>
+
+#include <cstring>
+
+#include "c_api/dlpack.h"
+#include "c_api/handles.h"
+
+using namespace rubble;
+using namespace rubble::c;
+
+namespace {
+
+StateArray arrayOf(int32_t which) {
+  if (which < RB_POSITION || which > RB_TORQUE)
+    throw Error("which", "a state array, 0 to 5", std::to_string(which));
+  return static_cast<StateArray>(which);
+}
+
+/// A tensor and what it points to.
+struct OwnedTensor {
+  dlpack::ManagedTensor managed;
+  std::int64_t shape[2], strides[2];
+  std::shared_ptr<World> world;
+
+  static void destroy(dlpack::ManagedTensor* tensor) { delete static_cast<OwnedTensor*>(tensor->context); }
+};
+
+std::unique_ptr<OwnedTensor> tensorOf(const std::shared_ptr<World>& world, const ArrayView& view) {
+  const std::int64_t size = view.typestr[2] - '0';
+  auto out = std::make_unique<OwnedTensor>();
+  out->world = world;
+  for (int k = 0; k < 2; ++k) {
+    if (view.strides[k] % size != 0) throw Error("array", "strides of whole numbers", "others");
+    out->shape[k] = view.shape[k], out->strides[k] = view.strides[k] / size;
+  }
+  const std::uint8_t code = view.typestr[1] == 'i' ? dlpack::kInt : dlpack::kFloat;
+  out->managed.tensor = {const_cast<void*>(view.data),
+                         {view.device ? dlpack::kCuda : dlpack::kCpu, 0},
+                         2,
+                         {code, static_cast<std::uint8_t>(8 * size), 1},
+                         out->shape,
+                         out->strides,
+                         0};
+  out->managed.context = out.get();
+  out->managed.deleter = OwnedTensor::destroy;
+  return out;
+}
+
+}  // namespace
+
+extern "C" {
+
+rb_status rb_world_array(const rb_world* world, int32_t which, rb_array* array) {
+  return guarded([&] { need(array, "array") = toC(worldOf(world).array(arrayOf(which))); });
+}
+
+int64_t rb_world_epoch(const rb_world* world) { return world ? world->world->epoch() : -1; }
+
+rb_status rb_world_dlpack(rb_world* world, int32_t which, void** tensor) {
+  return guarded([&] {
+    const ArrayView view = worldOf(world).array(arrayOf(which));
+    need(tensor, "tensor") = &tensorOf(world->world, view).release()->managed;
+  });
+}
+
+void rb_dlpack_delete(void* tensor) {
+  auto* const managed = static_cast<dlpack::ManagedTensor*>(tensor);
+  if (managed && managed->deleter) managed->deleter(managed);
+}
+
+rb_status rb_world_sort_bodies(rb_world* world) {
+  return guarded([&] { worldOf(world).sortBodies(); });
+}
+
+rb_status rb_world_scatter(rb_world* world, int32_t which, const rb_array* rows, const rb_array* values) {
+  return guarded([&] {
+    worldOf(world).scatter(arrayOf(which), fromC(need(rows, "rows")), fromC(need(values, "values")));
+  });
+}
+
+rb_status rb_world_begin_poses(rb_world* world) {
+  return guarded([&] { worldOf(world).beginPoses(); });
+}
+
+int32_t rb_world_poses_ready(const rb_world* world) { return world && world->world->posesReady(); }
+
+rb_status rb_world_take_poses(rb_world* world, rb_pose_frame* frame) {
+  return guarded([&] {
+    const PoseFrame taken = worldOf(world).takePoses();
+    need(frame, "frame") = {taken.step, taken.time, toC(taken.position), toC(taken.orientation)};
+  });
+}
+}

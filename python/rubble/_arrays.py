@@ -1,0 +1,238 @@
+"""Views of the state of all bodies, without copies."""
+from __future__ import annotations
+
+import ctypes
+from typing import Any, Optional
+
+import numpy as np
+
+from . import _abi
+from ._library import check, invalid, lib
+
+NAMES = ("position", "orientation", "velocity", "angular_velocity", "force", "torque")
+_NONE = ctypes.c_void_p()
+_TENSOR = b"dltensor"
+
+_new_capsule = ctypes.pythonapi.PyCapsule_New
+_new_capsule.restype = ctypes.py_object
+_new_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
+_is_valid = ctypes.pythonapi.PyCapsule_IsValid
+_is_valid.restype, _is_valid.argtypes = ctypes.c_int, [ctypes.c_void_p, ctypes.c_char_p]
+_pointer_of = ctypes.pythonapi.PyCapsule_GetPointer
+_pointer_of.restype, _pointer_of.argtypes = ctypes.c_void_p, [ctypes.c_void_p, ctypes.c_char_p]
+
+
+@ctypes.PYFUNCTYPE(None, ctypes.c_void_p)
+def _delete_capsule(capsule: int) -> None:
+    if _is_valid(capsule, _TENSOR):  # a consumer that takes the tensor over renames the capsule
+        lib.rb_dlpack_delete(_pointer_of(capsule, _TENSOR))
+
+
+def index_of(name: str) -> int:
+    """Number of a state array."""
+    try:
+        return NAMES.index(name)
+    except ValueError:
+        raise invalid("array", "one of " + ", ".join(NAMES), repr(name)) from None
+
+
+class Array:
+    """A read-only view of one state array of a world, one row per body slot.
+
+    It exchanges data without a copy: ``numpy.asarray(a)`` for host memory, ``__cuda_array_interface__`` and
+    ``__dlpack__`` for libraries such as CuPy, PyTorch, JAX and Warp. It is valid while ``world.epoch`` is
+    unchanged.
+    """
+
+    __slots__ = ("_owner", "_which", "_view")
+
+    def __init__(self, owner: Any, which: int) -> None:
+        # the owner of the C world alone, so that a world that caches its views is no cycle of references
+        self._owner, self._which, self._view = owner, which, _abi.Array()
+        check(lib.rb_world_array(owner.pointer, which, ctypes.byref(self._view)))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and numbers per row."""
+        return tuple(self._view.shape)
+
+    @property
+    def strides(self) -> tuple[int, int]:
+        """Distance between rows and between numbers [bytes]."""
+        return tuple(self._view.strides)
+
+    @property
+    def dtype(self) -> np.dtype:
+        return np.dtype(self._view.typestr.decode())
+
+    @property
+    def on_device(self) -> bool:
+        """Whether the data lie in GPU memory."""
+        return bool(self._view.device)
+
+    def _interface(self) -> dict[str, Any]:
+        view = self._view
+        return {"data": (view.data or 0, True), "shape": self.shape, "strides": self.strides,
+                "typestr": view.typestr.decode(), "version": 3}
+
+    @property
+    def __array_interface__(self) -> dict[str, Any]:
+        if self.on_device:
+            raise AttributeError("the array is in device memory: use __cuda_array_interface__ or __dlpack__")
+        return self._interface()
+
+    @property
+    def __cuda_array_interface__(self) -> dict[str, Any]:
+        if not self.on_device:
+            raise AttributeError("the array is in host memory: use numpy.asarray")
+        return {**self._interface(), "stream": self._view.stream or None}
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        return (2 if self.on_device else 1, 0)
+
+    def __dlpack__(self, *, stream: Optional[int] = None, max_version: Any = None, dl_device: Any = None,
+                   copy: Optional[bool] = None) -> Any:
+        """A DLPack capsule. Do not write to it: writes go through ``World.scatter``."""
+        if copy:
+            raise BufferError("a view is never a copy: copy the result")
+        tensor = ctypes.c_void_p()
+        check(lib.rb_world_dlpack(self._owner.pointer, self._which, ctypes.byref(tensor)))
+        return _new_capsule(tensor, _TENSOR, ctypes.cast(_delete_capsule, ctypes.c_void_p))
+
+    def __len__(self) -> int:
+        return self._view.shape[0]
+
+    def __repr__(self) -> str:
+        place = "device" if self.on_device else "host"
+        return f"<rubble.Array {NAMES[self._which]} {self.shape} {self.dtype} on {place}>"
+
+
+class StateArrays:
+    """The arrays of a world, as properties. numpy arrays on the CPU, `Array` objects on a GPU."""
+
+    _owner: Any
+    _pointer: ctypes.c_void_p
+    _view: _abi.Array
+    _view_reference: Any
+    _views: list[Any]
+    _epoch: int
+
+    def _array(self, which: int) -> Any:
+        # on the CPU this also applies pending edits, so that they are seen
+        status = lib.rb_world_array(self._pointer, which, self._view_reference)
+        if status:
+            check(status)
+        epoch = self._view.epoch
+        if epoch != self._epoch:
+            self._views, self._epoch = [None] * len(NAMES), epoch
+        found = self._views[which]
+        if found is None:
+            view = Array(self._owner, which)
+            found = self._views[which] = view if view.on_device else np.asarray(view)
+        return found
+
+    def array(self, name: str) -> Array:
+        """One of "position", "orientation", "velocity", "angular_velocity", "force", "torque" as `Array`."""
+        return Array(self._owner, index_of(name))
+
+    @property
+    def positions(self) -> Any:
+        """Centers of mass [m]: (N, 3) doubles, read-only view, row ``body.index``. Rows of removed bodies
+        keep their last values. Read the property again after bodies were added, removed or sorted."""
+        return self._array(0)
+
+    @property
+    def orientations(self) -> Any:
+        """Principal axes -> world: (N, 4) quaternions, scalar first; see `positions`."""
+        return self._array(1)
+
+    @property
+    def velocities(self) -> Any:
+        """Velocities of the centers of mass [m/s]: (N, 3); see `positions`."""
+        return self._array(2)
+
+    @property
+    def angular_velocities(self) -> Any:
+        """Angular velocities, world axes [rad/s]: (N, 3); see `positions`."""
+        return self._array(3)
+
+    @property
+    def forces(self) -> Any:
+        """Forces for the next step [N]: (N, 3); see `positions`."""
+        return self._array(4)
+
+    @property
+    def torques(self) -> Any:
+        """Torques for the next step [N m]: (N, 3); see `positions`."""
+        return self._array(5)
+
+    @property
+    def epoch(self) -> int:
+        """A number that changes when array views become invalid."""
+        return lib.rb_world_epoch(self._pointer)
+
+    def scatter(self, name: str, rows: Any, values: Any) -> None:
+        """Writes ``values[k]`` to row ``rows[k]`` of an array; "force" and "torque" accumulate.
+
+        Args:
+            name: As for `array`.
+            rows: (n,) integers without duplicates, ``body.index``.
+            values: (n, 3), or (n, 4) for "orientation". Both arguments are host arrays, or with the backend
+                "cuda" both objects with ``__cuda_array_interface__``.
+        Raises:
+            Error: For a wrong shape or a number that is not finite.
+        """
+        which = index_of(name)
+        keep: list[Any] = []
+        row_view, value_view = _view_of(rows, np.int32, keep), _view_of(values, np.float64, keep)
+        check(lib.rb_world_scatter(self._pointer, which, ctypes.byref(row_view), ctypes.byref(value_view)))
+
+    def begin_poses(self) -> None:
+        """Starts a copy of the present poses to the host. At most two may be pending."""
+        check(lib.rb_world_begin_poses(self._pointer))
+
+    def poses_ready(self) -> bool:
+        """Whether the oldest pending copy is complete. Never waits."""
+        return bool(lib.rb_world_poses_ready(self._pointer))
+
+    def take_poses(self) -> tuple[float, np.ndarray, np.ndarray]:
+        """Waits for the oldest pending copy: time [s], positions (N, 3) [m] and orientations (N, 4)."""
+        frame = _abi.PoseFrame()
+        check(lib.rb_world_take_poses(self._pointer, ctypes.byref(frame)))
+        return frame.time, *(_copy_of(view) for view in (frame.position, frame.orientation))
+
+    def sort_bodies(self) -> None:
+        """Sorts the bodies in memory by position, with the next step. Results are unchanged."""
+        check(lib.rb_world_sort_bodies(self._pointer))
+
+
+def _copy_of(view: _abi.Array) -> np.ndarray:
+    class Source:
+        __array_interface__ = {"data": (view.data, True), "shape": tuple(view.shape), "version": 3,
+                               "strides": tuple(view.strides), "typestr": view.typestr.decode()}
+    return np.array(Source())
+
+
+def _view_of(values: Any, kind: Any, keep: list[Any]) -> _abi.Array:
+    """The C description of an array. `keep` takes what its memory belongs to."""
+    device = getattr(values, "__cuda_array_interface__", None)
+    if device is None:
+        host = np.asarray(values)
+        if kind is np.int32 or host.dtype != np.float32:
+            host = np.asarray(host, dtype=kind)
+        keep.append(host)
+        described = dict(host.__array_interface__, strides=host.strides)
+    else:
+        keep.append(values)
+        described = device
+    shape = tuple(described["shape"])
+    typestr = described["typestr"]
+    size = int(typestr[2:])
+    shape = shape if len(shape) > 1 else (*shape, 1)
+    strides = described.get("strides") or (shape[-1] * size, size)
+    strides = strides if len(strides) > 1 else (*strides, size)
+    view = _abi.Array()
+    view.data, view.typestr = described["data"][0], typestr.encode()
+    view.shape, view.strides = tuple(shape), tuple(strides)
+    view.device, view.stream = device is not None, described.get("stream") or 0
+    return view

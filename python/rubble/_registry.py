@@ -1,0 +1,116 @@
+"""The scene registry: scenes with arguments, probes and a verdict."""
+from __future__ import annotations
+
+import ctypes
+from typing import Any, Callable, NamedTuple, Optional, Union
+
+from . import _abi  # noqa: F401
+from ._library import Handle, check, encode, json_of, lib
+from ._scene import Scene
+from ._world import StepReport, World
+
+
+class Argument(NamedTuple):
+    """A number that a scene can be built with."""
+
+    name: str
+    value: float  #: default
+    min: Optional[float]
+    max: Optional[float]
+    unit: str  #: "1" for none
+    doc: str
+    whole: bool
+
+
+class SceneInfo(NamedTuple):
+    """A scene of the registry."""
+
+    name: str
+    doc: str
+    steps: int  #: of a full run
+    iterations: int  #: that the verdict is stated for
+    substeps: int
+    tags: list[str]
+    arguments: list[Argument]
+
+
+class Claim(NamedTuple):
+    """A statement of a verdict: the metric lies in [min, max]; None: no bound."""
+
+    metric: str
+    min: Optional[float]
+    max: Optional[float]
+    value: Optional[float]  #: None: it was not measured
+    holds: bool
+    why: str
+
+
+class Verdict(NamedTuple):
+    """Result of a run."""
+
+    holds: Optional[bool]  #: None: the scene is not from the registry, and nothing was judged
+    metrics: dict[str, Optional[float]]
+    claims: list[Claim]
+
+
+def scenes() -> dict[str, SceneInfo]:
+    """All scenes of the registry by name."""
+    return {each["name"]: SceneInfo(**{**each, "arguments": [Argument(**one) for one in each["arguments"]]})
+            for each in json_of(lib.rb_registry)}
+
+
+class _RunWorld:
+    """The world inside a run, which it keeps alive."""
+
+    def __init__(self, run: Handle) -> None:
+        self.run, self.pointer = run, ctypes.c_void_p(lib.rb_run_world(run.pointer))
+
+
+class Run:
+    """A run of a registry scene, by name, or of a scene of one's own, with its events and measurements.
+
+    Args:
+        scene: Name in the registry, or a `Scene`.
+        arguments: Arguments of the registry scene: ``{"base": 10}``.
+        options: As for `World`. Iterations, substeps and dt are those of the scene unless given.
+    """
+
+    def __init__(self, scene: Union[str, Scene], arguments: Optional[dict[str, float]] = None,
+                 **options: Any) -> None:
+        if isinstance(scene, Scene):
+            self._handle = Handle(lib.rb_run_scene, lib.rb_run_destroy, scene._pointer, encode(options))
+        else:
+            self._handle = Handle(lib.rb_run_create, lib.rb_run_destroy, scene.encode(),
+                                  encode(arguments or {}), encode(options))
+        self.world = World.__new__(World)  #: the world of the run
+        self.world._own(_RunWorld(self._handle))
+
+    @property
+    def steps(self) -> int:
+        """Number of steps of a full run."""
+        return lib.rb_run_steps(self._handle.pointer)
+
+    def step(self) -> StepReport:
+        """Applies the events of this step, takes it and measures."""
+        report = StepReport()
+        check(lib.rb_run_step(self._handle.pointer, ctypes.byref(report._plain)))
+        return report
+
+    def run(self, steps: Optional[int] = None,
+            observer: Optional[Callable[[World, StepReport], Any]] = None) -> Verdict:
+        """Takes `steps` steps (None: those of a full run) and ends the measurements. `observer` is called
+        after each step, and ends the run if it returns False."""
+        for _ in range(self.steps if steps is None else steps):
+            report = self.step()
+            if observer is not None and observer(self.world, report) is False:
+                break
+        return self.finish()
+
+    def rewound(self) -> None:
+        """Call after ``run.world.restore``: events from there on happen again."""
+        check(lib.rb_run_rewound(self._handle.pointer))
+
+    def finish(self) -> Verdict:
+        """Ends the measurements and judges."""
+        found = json_of(lib.rb_run_finish, self._handle.pointer)
+        return Verdict(found["holds"], found["metrics"], [Claim(**each) for each in found["claims"]])

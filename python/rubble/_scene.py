@@ -1,0 +1,138 @@
+"""Scene definitions."""
+from __future__ import annotations
+
+import ctypes
+import os
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Sequence, Union
+
+from . import _abi  # noqa: F401
+from ._library import Handle, check, encode, json_of, lib, text_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._fields import BodyOptions, DeformableFields, RodFields, SceneAttachmentFields, SceneJointFields
+
+Definition = dict[str, Any]
+
+
+class Rod(NamedTuple):
+    """Indices of the parts of a rod in a scene."""
+
+    first_body: int
+    bodies: int
+    first_joint: int
+    joints: int
+
+
+class Scene:
+    """Bodies, joints, deformable objects and events, in physical units, with the keys of scene files.
+
+    Every `add` checks its definition at once and raises `Error` with the path of the invalid field.
+    References to bodies are names or indices.
+
+    Args:
+        gravity: [m/s2].
+        folder: Where mesh files that definitions name are looked for.
+        values: Other keys of a scene: name, description, steps, iterations, dt, camera.
+    """
+
+    def __init__(self, *, gravity: Sequence[float] = (0, 0, -9.81), folder: str = "", **values: Any) -> None:
+        self._own(Handle(lib.rb_scene_create, lib.rb_scene_destroy, folder.encode()))
+        self.set(gravity=gravity, **values)
+
+    def _own(self, handle: Handle) -> None:
+        self._handle = handle
+
+    @property
+    def _pointer(self) -> ctypes.c_void_p:
+        return self._handle.pointer
+
+    @classmethod
+    def _of(cls, create: Any, *arguments: Any) -> "Scene":
+        scene = cls.__new__(cls)
+        scene._own(Handle(create, lib.rb_scene_destroy, *arguments))
+        return scene
+
+    @classmethod
+    def load(cls, file: Union[str, os.PathLike[str]]) -> "Scene":
+        """Reads a scene file. The error of an invalid one lists every fault."""
+        return cls._of(lib.rb_scene_read, os.fsencode(file))
+
+    @classmethod
+    def from_json(cls, json: Union[str, Definition], folder: str = "") -> "Scene":
+        """A scene from JSON text or from a dict."""
+        text = json.encode() if isinstance(json, str) else encode(json)
+        return cls._of(lib.rb_scene_parse, text, folder.encode())
+
+    @classmethod
+    def from_registry(cls, name: str, **arguments: float) -> "Scene":
+        """A scene of the registry (see `rubble.scenes`): ``Scene.from_registry("pyramid", base=10)``."""
+        return cls._of(lib.rb_scene_build, name.encode(), encode(arguments))
+
+    def to_json(self) -> str:
+        """JSON text that reads back bit for bit."""
+        return text_of(lib.rb_scene_text, self._pointer)
+
+    def to_dict(self) -> Definition:
+        return json_of(lib.rb_scene_text, self._pointer)
+
+    def save(self, file: Union[str, os.PathLike[str]]) -> None:
+        check(lib.rb_scene_write(self._pointer, os.fsencode(file)))
+
+    def set(self, **values: Any) -> None:
+        """Sets keys that are no lists: gravity, materials, shapes, camera, steps and others."""
+        for key, value in values.items():
+            check(lib.rb_scene_set(self._pointer, key.encode(), encode(value)))
+
+    def add(self, list: str, definition: Any) -> int:
+        """Adds an element to "bodies", "joints", "deformables", "attachments", "exclusions", "events" or
+        "verdict". Returns its index."""
+        out = ctypes.c_int64()
+        check(lib.rb_scene_add(self._pointer, list.encode(), encode(definition), ctypes.byref(out)))
+        return out.value
+
+    def add_body(self, shape: Union[Definition, str], **fields: Unpack[BodyOptions]) -> int:
+        """Adds a body: name, position [m], mass [kg] or density [kg/m3], motion, material and others.
+        Returns its index."""
+        return self.add("bodies", {"shape": shape, **fields})
+
+    def add_joint(self, type: str, body_a: Union[str, int], body_b: Union[str, int] = "world",
+                  **fields: Unpack[SceneJointFields]) -> int:
+        """Adds a joint between two bodies by name or index ("world": the static world). "anchor" [m] and
+        "axis" are in the world."""
+        return self.add("joints", {"type": type, "body_a": body_a, "body_b": body_b, **fields})
+
+    def add_deformable(self, definition: Optional[Definition] = None,
+                       **fields: Unpack[DeformableFields]) -> int:
+        """Adds a deformable object: keys of scene files, or a definition that `tet_box` and others make."""
+        return self.add("deformables", {**(definition or {}), **fields})
+
+    def add_attachment(self, object: Union[str, int], vertices: Sequence[int],
+                       **fields: Unpack[SceneAttachmentFields]) -> int:
+        """Attaches vertices of an object to `body`, to `other_object` or to the world."""
+        return self.add("attachments", {"object": object, "vertices": list(vertices), **fields})
+
+    def add_rod(self, points: Any, **fields: Unpack[RodFields]) -> Rod:
+        """Adds a rod of rigid segments along points (n, 3) [m] that resists stretch, bending and twist."""
+        out = (ctypes.c_int32 * 4)()
+        check(lib.rb_scene_add_rod(self._pointer, encode({"points": points, **fields}), out))
+        return Rod(*out)
+
+    def add_event(self, step: int, **actions: Any) -> int:
+        """Adds an event that a `Run` applies before a step: add, remove, set_velocity and others."""
+        return self.add("events", {"step": step, **actions})
+
+    def exclude(self, a: Union[str, int], b: Union[str, int]) -> int:
+        """Two bodies that do not collide."""
+        return self.add("exclusions", [a, b])
+
+    def count(self, list: str) -> int:
+        """Number of elements of a list."""
+        out = ctypes.c_int64()
+        check(lib.rb_scene_count(self._pointer, list.encode(), ctypes.byref(out)))
+        return out.value
+
+    def __repr__(self) -> str:
+        kinds = ("bodies", "joints", "deformables")
+        return "<rubble.Scene " + ", ".join(f"{self.count(kind)} {kind}" for kind in kinds) + ">"

@@ -1,0 +1,143 @@
+/* The C API as C99 sees it: handles, status codes, errors with their parts, arrays and lists. */
+#include <math.h>
+#include <rubble/c/rubble.h>
+#include <stdio.h>
+#include <string.h>
+
+static int failures = 0;
+
+#define CHECK(condition)                                               \
+  do {                                                                 \
+    if (!(condition)) {                                                \
+      fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);  \
+      fprintf(stderr, "  last error: %s\n", rb_last_error()->message); \
+      ++failures;                                                      \
+    }                                                                  \
+  } while (0)
+
+static const char* kBox =
+    "{\"name\": \"crate\", \"shape\": {\"type\": \"box\", \"size\": [1, 1, 1]}, \"mass\": 2, "
+    "\"position\": [0, 0, 2]}";
+
+static rb_scene* sceneOfACrate(void) {
+  rb_scene* scene = NULL;
+  CHECK(rb_scene_create("", &scene) == RB_OK);
+  CHECK(rb_scene_add(scene, "bodies", "{\"name\": \"ground\", \"shape\": {\"type\": \"plane\"}}", NULL) ==
+        RB_OK);
+  CHECK(rb_scene_add(scene, "bodies", kBox, NULL) == RB_OK);
+  return scene;
+}
+
+static void anInvalidBodyIsNamedAndLeavesTheSceneAsItWas(void) {
+  rb_scene* scene = sceneOfACrate();
+  int64_t count = 0;
+  const char* bad = "{\"name\": \"bad\", \"shape\": {\"type\": \"sphere\", \"radius\": 1}, \"mass\": -1}";
+  CHECK(rb_scene_add(scene, "bodies", bad, NULL) == RB_INVALID);
+  CHECK(strcmp(rb_last_error()->path, "bodies[2].mass") == 0);
+  CHECK(strcmp(rb_last_error()->expected, "a mass above 0 [kg]") == 0);
+  CHECK(strcmp(rb_last_error()->found, "-1") == 0);
+  CHECK(rb_scene_count(scene, "bodies", &count) == RB_OK && count == 2);
+  CHECK(rb_scene_add(scene, "bodies", kBox, NULL) == RB_INVALID); /* the name is taken */
+  CHECK(strcmp(rb_last_error()->path, "bodies[2].name") == 0);
+  CHECK(rb_scene_add(scene, "bodys", kBox, NULL) == RB_INVALID);
+  rb_scene_destroy(scene);
+}
+
+static void noCallDiesOfANullPointer(void) {
+  rb_world* world = NULL;
+  CHECK(rb_world_create(NULL, NULL, &world) == RB_INVALID);
+  CHECK(rb_world_step(NULL, NULL) == RB_INVALID);
+  CHECK(rb_scene_parse(NULL, NULL, NULL) == RB_INVALID);
+  CHECK(rb_world_bodies(NULL, NULL, NULL) == RB_INVALID);
+  CHECK(rb_world_time(NULL) == 0);
+  rb_world_destroy(NULL);
+  rb_scene_destroy(NULL);
+}
+
+static void aCrateFallsAndRests(void) {
+  rb_scene* scene = sceneOfACrate();
+  rb_world* world = NULL;
+  rb_body_id crate;
+  rb_body_state state;
+  rb_step_report report;
+  rb_array positions;
+  const rb_body_id* bodies = NULL;
+  int64_t count = 0;
+  CHECK(rb_world_create(scene, "{\"threads\": 1, \"iterations\": 4}", &world) == RB_OK);
+  rb_scene_destroy(scene);
+  CHECK(rb_world_find_body(world, "crate", &crate) == RB_OK);
+  for (int step = 0; step < 120; ++step) CHECK(rb_world_step(world, &report) == RB_OK);
+  CHECK(report.step == 119 && report.bodies == 2 && report.manifolds == 1);
+  CHECK(rb_world_body_state(world, crate, &state) == RB_OK);
+  CHECK(fabs(state.position[2] - 0.5) < 0.01);
+  CHECK(rb_world_array(world, RB_POSITION, &positions) == RB_OK);
+  CHECK(positions.shape[0] >= 2 && positions.shape[1] == 3 && strcmp(positions.typestr, "<f8") == 0);
+  const char* row = (const char*)positions.data + crate.index * positions.strides[0];
+  CHECK(fabs(*(const double*)(row + 2 * positions.strides[1]) - state.position[2]) < 1e-12);
+  CHECK(rb_world_bodies(world, &bodies, &count) == RB_OK && count == 2);
+  CHECK(rb_world_remove_bodies(world, &crate, 1) == RB_OK);
+  CHECK(!rb_world_body_alive(world, crate));
+  CHECK(rb_world_body_state(world, crate, &state) == RB_INVALID);
+  rb_world_destroy(world);
+}
+
+static void aSnapshotContinuesBitForBit(void) {
+  rb_scene* scene = sceneOfACrate();
+  rb_world* world = NULL;
+  rb_snapshot* snapshot = NULL;
+  uint64_t first = 0, second = 1;
+  CHECK(rb_world_create(scene, "{\"threads\": 1}", &world) == RB_OK);
+  for (int step = 0; step < 20; ++step) rb_world_step(world, NULL);
+  CHECK(rb_world_snapshot(world, &snapshot) == RB_OK);
+  for (int step = 0; step < 20; ++step) rb_world_step(world, NULL);
+  CHECK(rb_world_hash(world, &first) == RB_OK);
+  CHECK(rb_world_restore(world, snapshot) == RB_OK);
+  for (int step = 0; step < 20; ++step) rb_world_step(world, NULL);
+  CHECK(rb_world_hash(world, &second) == RB_OK && first == second);
+  rb_snapshot_destroy(snapshot);
+  rb_world_destroy(world);
+  rb_scene_destroy(scene);
+}
+
+static void aHingeAddedToAWorldStandsAtThePresentPoses(void) {
+  rb_scene* scene = sceneOfACrate();
+  rb_world* world = NULL;
+  rb_body_id crate, none = {-1, 0};
+  rb_joint_id joint;
+  rb_joint_state state;
+  const char* hinge = "{\"type\": \"hinge\", \"name\": \"pin\", \"anchor\": [1, 0, 2], \"axis\": [0, 1, 0]}";
+  CHECK(rb_world_create(scene, "{\"threads\": 1}", &world) == RB_OK);
+  CHECK(rb_world_find_body(world, "crate", &crate) == RB_OK);
+  CHECK(rb_world_add_joint(world, hinge, crate, none, none, none, &joint) == RB_OK);
+  for (int step = 0; step < 30; ++step) rb_world_step(world, NULL);
+  CHECK(rb_world_joint_state(world, joint, &state) == RB_OK);
+  CHECK(state.axis_count == 1 && state.gap < 1e-3 && fabs(state.axes[0].position) > 0.1);
+  CHECK(rb_world_set_joint(world, joint, "{\"axes\": [{\"min\": -0.5, \"max\": 0.5}]}") == RB_OK);
+  CHECK(rb_world_set_joint(world, joint, "{\"axes\": [{\"mix\": 1}]}") == RB_INVALID);
+  CHECK(strcmp(rb_last_error()->path, "joint.axes[0].mix") == 0);
+  rb_world_destroy(world);
+  rb_scene_destroy(scene);
+}
+
+static void aRegistrySceneIsJudged(void) {
+  rb_run* run = NULL;
+  const char* result = NULL;
+  CHECK(rb_run_create("pendulum", NULL, "{\"threads\": 1}", &run) == RB_OK);
+  const int32_t steps = rb_run_steps(run);
+  for (int32_t step = 0; step < steps; ++step) CHECK(rb_run_step(run, NULL) == RB_OK);
+  CHECK(rb_run_finish(run, &result) == RB_OK);
+  CHECK(strstr(result, "\"holds\":true") != NULL);
+  rb_run_destroy(run);
+}
+
+int main(void) {
+  CHECK(rb_api_version() == RB_API_VERSION);
+  anInvalidBodyIsNamedAndLeavesTheSceneAsItWas();
+  noCallDiesOfANullPointer();
+  aCrateFallsAndRests();
+  aSnapshotContinuesBitForBit();
+  aHingeAddedToAWorldStandsAtThePresentPoses();
+  aRegistrySceneIsJudged();
+  printf("%d failures\n", failures);
+  return failures != 0;
+}

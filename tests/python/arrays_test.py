@@ -1,0 +1,135 @@
+"""Views of state arrays, and writing to them."""
+import ctypes
+import gc
+import sys
+import time
+import weakref
+
+import numpy as np
+import rubble
+from support import Case, crate_world, main
+
+
+class Arrays(Case):
+    def test_a_view_shows_each_step_without_being_read_again(self):
+        world = crate_world()
+        crate = world.bodies["crate"]
+        positions = world.positions
+        self.assertEqual(positions.dtype, np.float64)
+        self.assertEqual(positions.shape[1], 3)
+        for _ in range(3):
+            world.step()
+            self.assertNear(positions[crate.index], crate.position, 1e-12)
+        self.assertIs(world.positions, positions)
+        self.assertFalse(positions.flags.writeable)
+        self.assertFalse(positions.flags.owndata)
+
+    def test_edits_are_seen_in_the_view(self):
+        world = crate_world()
+        crate = world.bodies["crate"]
+        crate.velocity = (1, 2, 3)
+        self.assertNear(world.velocities[crate.index], (1, 2, 3), 1e-6)
+
+    def test_a_view_is_made_anew_when_bodies_come(self):
+        world = crate_world()
+        before, epoch = world.positions, world.epoch
+        bodies = world.bodies.add_many([{"shape": rubble.sphere(0.1), "position": [k, 0, 9]} for k in range(50)])
+        self.assertNotEqual(world.epoch, epoch)
+        self.assertIsNot(world.positions, before)
+        self.assertNear(world.positions[bodies[-1].index], (49, 0, 9))
+
+    def test_a_view_keeps_its_world_alive(self):
+        positions = crate_world().positions
+        gc.collect()
+        self.assertEqual(positions.shape[1], 3)
+        self.assertNear(positions[1], (0, 0, 2))
+
+    def test_a_world_is_freed_with_its_last_reference(self):
+        world = crate_world()
+        world.positions, world.bodies["crate"].position, world.params.dt
+        gone = weakref.ref(world)
+        gc.disable()
+        try:
+            del world
+            self.assertIsNone(gone())
+        finally:
+            gc.enable()
+
+    def test_scatter_writes_rows(self):
+        world = crate_world()
+        crate = world.bodies["crate"]
+        world.scatter("velocity", [crate.index], [(3, 0, 0)])
+        self.assertNear(crate.velocity, (3, 0, 0), 1e-6)
+        world.scatter("position", np.array([crate.index]), np.array([(1, 0, 5)], np.float32))
+        self.assertNear(crate.position, (1, 0, 5), 1e-6)
+        self.assertRaises(rubble.Error, lambda: world.scatter("velocity", [0, 1], [(1, 0, 0)]))
+        self.assertInvalid("array", lambda: world.scatter("speed", [0], [(1, 0, 0)]))
+
+    def test_dlpack_shares_the_memory(self):
+        world = crate_world()
+        array = world.array("position")
+        self.assertEqual(array.__dlpack_device__(), (1, 0))
+        shared = np.from_dlpack(array)
+        self.assertEqual(shared.ctypes.data, world.positions.ctypes.data)
+        world.step(5)
+        self.assertNear(shared, world.positions)
+        del world, array
+        gc.collect()
+        self.assertEqual(shared.shape[1], 3)
+
+    def test_a_capsule_that_nobody_takes_is_freed(self):
+        world = crate_world()
+        before = sys.getrefcount(world._owner)
+        for _ in range(100):
+            world.array("velocity").__dlpack__()
+        gc.collect()
+        self.assertEqual(sys.getrefcount(world._owner), before)
+
+    def test_an_array_on_the_host_has_no_cuda_interface(self):
+        array = crate_world().array("force")
+        self.assertFalse(hasattr(array, "__cuda_array_interface__"))
+        self.assertIn("host", repr(array))
+
+    def test_poses_are_copied_beside_the_steps(self):
+        world = crate_world()
+        world.begin_poses()
+        place = world.bodies["crate"].position
+        world.step(10)
+        seconds, positions, orientations = world.take_poses()
+        self.assertEqual(seconds, 0)
+        self.assertNear(positions[world.bodies["crate"].index], place)
+        self.assertEqual(orientations.shape[1], 4)
+
+
+def fastest(call, rounds=30, calls=200):
+    """Time of a call in the fastest round [s]."""
+    best = float("inf")
+    for _ in range(rounds):
+        begin = time.perf_counter()
+        for _ in range(calls):
+            call()
+        best = min(best, (time.perf_counter() - begin) / calls)
+    return best
+
+
+class Costs(Case):
+    def test_reading_an_array_takes_less_than_2_us(self):
+        world = crate_world()
+        cost = fastest(lambda: world.positions)
+        print(f"array read: {1e6 * cost:.2f} us")
+        self.assertLess(cost, 2e-6)
+
+    def test_a_step_takes_less_than_15_us_above_the_library(self):
+        from rubble._library import lib
+        world = crate_world()
+        world.step(200)
+        pointer = world._pointer
+        bare = fastest(lambda: lib.rb_world_step(pointer, None), calls=100)
+        whole = fastest(world.step, calls=100)
+        print(f"step: {1e6 * whole:.1f} us, in the library {1e6 * bare:.1f} us")
+        self.assertLess(whole - bare, 15e-6)
+        self.assertIsInstance(pointer, ctypes.c_void_p)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,175 @@
+"""Joints, deformable objects, queries, recordings and pictures."""
+import os
+import tempfile
+
+import numpy as np
+import rubble
+from support import Case, crate_scene, crate_world, main
+
+
+class Joints(Case):
+    def test_a_hinge_is_added_at_the_present_poses_and_driven(self):
+        world = crate_world()
+        crate = world.bodies["crate"]
+        hinge = world.joints.add("hinge", crate, anchor=(0, 0, 2), axis=(0, 1, 0), name="motor",
+                                 axes=[{"target_speed": 2, "drive_damping": "hard"}])
+        world.step(30)
+        self.assertAlmostEqual(abs(hinge.state.axes[0].speed), 2, places=3)
+        self.assertLess(hinge.state.gap, 1e-4)
+        self.assertEqual(world.joints["motor"], hinge)
+        self.assertEqual(hinge.bodies, (crate, None))
+        hinge.set_target(speed=0)
+        world.step(5)
+        self.assertAlmostEqual(hinge.state.axes[0].speed, 0, places=3)
+        hinge.set_limits(-0.1, 0.1)
+        hinge.set(axes=[{"friction": 3}])
+        self.assertEqual(hinge.definition["axes"][0]["friction"], 3)
+        self.assertInvalid("joint.type", lambda: world.joints.add("hing", crate, anchor=(0, 0, 0)))
+        hinge.remove()
+        self.assertEqual(len(world.joints), 0)
+
+    def test_a_gear_couples_two_hinges(self):
+        scene = rubble.Scene(gravity=(0, 0, 0))
+        for k, name in enumerate("ab"):
+            scene.add_body(rubble.cylinder(0.5, 0.2), name=name, position=(2 * k, 0, 0))
+            scene.add_joint("hinge", name, name="pin " + name, anchor=(2 * k, 0, 0), axis=(0, 0, 1))
+        world = rubble.World(scene, threads=1)
+        world.joints.add_coupling("gear", world.joints["pin a"], world.joints["pin b"], ratio=2)
+        world.bodies["a"].angular_velocity = (0, 0, 4)
+        world.step(20)
+        a, b = (world.joints["pin " + name].state.axes[0].position for name in "ab")
+        self.assertGreater(abs(a), 0.1)
+        self.assertAlmostEqual(a + 2 * b, 0, places=3)
+
+    def test_a_drag_joint_pulls_a_body(self):
+        world = crate_world()
+        crate = world.bodies["crate"]
+        drag = crate.drag((0, 0, 2), max_force=1000)
+        drag.drag_to((3, 0, 4))
+        world.step(120)
+        self.assertNear(crate.position, (3, 0, 4), 0.1)
+
+
+class Deformables(Case):
+    def test_a_cloth_hangs_by_its_attachment(self):
+        world = rubble.World(rubble.Scene(), threads=1)
+        sheet = world.deformables.add(rubble.cloth_sheet((0, 0, 2), (1, 0, 0), (0, 1, 0), 6, 6), name="flag")
+        held = world.attachments.add(sheet, [0])
+        world.attachments.add(sheet, [6])
+        world.step(60)
+        self.assertEqual(len(sheet), 49)
+        self.assertNear(sheet.positions[0], (0, 0, 2), 1e-2)
+        self.assertLess(sheet.positions[48][2], 1.8)
+        self.assertEqual(sheet.surface.triangles.shape, (72, 3))
+        self.assertFalse(held.state.broken)
+        self.assertEqual(held.ends[0], sheet)
+        self.assertEqual(world.deformables["flag"], sheet)
+        self.assertEqual(len(world.attachments), 2)
+
+    def test_vertices_are_set_and_pushed(self):
+        world = rubble.World(rubble.Scene(gravity=(0, 0, 0)), threads=1)
+        ball = world.deformables.add(rubble.tet_ball((0, 0, 0), 0.5, 4), youngs_modulus=1e4)
+        moved = ball.positions + (1, 0, 0)
+        ball.set_vertices(moved, np.tile((0, 0, 1.0), (len(ball), 1)))
+        self.assertNear(ball.positions, moved, 1e-6)
+        world.step(10)
+        self.assertNear(ball.velocities.mean(axis=0), (0, 0, 1), 1e-3)
+        self.assertAlmostEqual(ball.masses.sum(), 523, delta=40)
+        self.assertInvalid("positions", lambda: ball.set_vertices(np.zeros((3, 3))))
+
+    def test_solids_cables_and_scenes_take_definitions(self):
+        scene = rubble.Scene()
+        scene.add_deformable(rubble.tet_box((0, 0, 0), (1, 1, 1), (2, 2, 2)), name="block", density=500)
+        scene.add_deformable(rubble.straight_cable((0, 0, 3), (1, 0, 3), 5), name="cord", fixed=[0])
+        scene.add_deformable(rubble.cable_along([(0, 0, 4), (1, 0, 4), (1, 1, 4)], 0.25))
+        scene.add_attachment("cord", [5])
+        self.assertEqual(scene.count("deformables"), 3)
+        tetrahedron = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        sides = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+        self.assertGreater(len(rubble.tet_solid(tetrahedron, sides, 0.2)["tetrahedra"]), 4)
+
+
+class Queries(Case):
+    def setUp(self):
+        self.world = crate_world(sleeping=False)
+        self.crate = self.world.bodies["crate"]
+
+    def test_a_ray_hits_the_first_body(self):
+        hit = self.world.cast_ray((0, 0, 9), (0, 0, -1))
+        self.assertEqual(hit.body, self.crate)
+        self.assertAlmostEqual(hit.distance, 6.5, places=4)
+        self.assertNear(hit.normal, (0, 0, 1), 1e-6)
+        beyond = self.world.cast_ray((0, 0, 9), (0, 0, -1), ignore=self.crate)
+        self.assertEqual(beyond.body.name, "ground")
+        self.assertIsNone(self.world.cast_ray((0, 0, 9), (0, 0, 1)))
+
+    def test_many_rays_are_one_call(self):
+        origins = np.array([(x, 0, 9) for x in np.linspace(-2, 2, 101)])
+        hits = self.world.cast_rays(origins, np.tile((0, 0, -1.0), (101, 1)))
+        self.assertTrue(hits["hit"].all())
+        self.assertEqual(int((hits["body"]["index"] == self.crate.index).sum()), 25)
+        self.assertInvalid("directions", lambda: self.world.cast_rays(origins, [(0, 0, 1)]))
+
+    def test_shapes_are_cast_and_overlapped(self):
+        ball = rubble.sphere(0.5)
+        hit = self.world.cast_shape(ball, (0, 0, 6), (0, 0, -6))
+        self.assertEqual(hit.body, self.crate)
+        self.assertAlmostEqual(hit.distance, 0.5, places=3)
+        self.assertEqual(self.world.overlap(ball, (0.9, 0, 2)), [self.crate])
+        self.assertEqual(self.world.overlaps(ball, [(0, 0, 2), (9, 9, 9)]), [[self.crate], []])
+
+    def test_the_closest_point_lies_on_the_surface(self):
+        hit = self.world.closest_point((3, 0, 2))
+        self.assertEqual(hit.body.name, "ground")
+        near = self.world.closest_point((1, 0, 2))
+        self.assertNear(near.position, (0.5, 0, 2), 1e-5)
+        self.assertIsNone(self.world.closest_point((3, 0, 90), max_distance=1))
+
+
+class Recordings(Case):
+    def test_a_recording_reads_back_what_was_written(self):
+        world = crate_world()
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "out.rubble")
+            written = []
+            with rubble.Recorder(world, file, title="crate") as out:
+                for _ in range(40):
+                    world.step()
+                    out.write()
+                    written.append(world.bodies["crate"].position)
+            recording = rubble.Recording(file)
+            self.assertEqual((len(recording), recording.title, recording.complete), (40, "crate", True))
+            read = [frame.positions[1] for frame in recording]
+            self.assertNear(read, written, recording.resolution)
+            self.assertEqual([body["name"] for body in recording.objects()["bodies"]], ["ground", "crate"])
+            self.assertEqual(recording[-1].step, 40)
+            self.assertRaises(IndexError, lambda: recording[40])
+        self.assertRaises(rubble.Error, lambda: rubble.Recording(os.path.join(folder, "none.rubble")))
+
+
+class Pictures(Case):
+    def test_a_picture_shows_the_crate_or_the_error_says_why_not(self):
+        world = rubble.World(crate_scene(), threads=1)
+        status = rubble.info()["opengl"]
+        if status.startswith("off"):
+            with self.assertRaises(rubble.Error) as caught:
+                world.render(64, 48)
+            self.assertIn("libepoxy", str(caught.exception))
+            return
+        try:
+            picture = world.render(160, 90, samples=1)
+        except rubble.Error as error:
+            self.skipTest(f"no OpenGL on this machine: {error}")
+        self.assertEqual((picture.shape, picture.dtype), ((90, 160, 3), np.uint8))
+        self.assertGreater(picture.std(), 5)
+        close = world.render(160, 90, eye=(4, -4, 3), target=(0, 0, 2), samples=1)
+        self.assertFalse(np.array_equal(picture, close))
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "crate.png")
+            rubble.save_png(close, file)
+            with open(file, "rb") as stream:
+                self.assertEqual(stream.read(4), b"\x89PNG")
+
+
+if __name__ == "__main__":
+    main()
