@@ -28,6 +28,8 @@ void notNegative(double a, const std::string& path);
 /// For stiffnesses and thresholds, where infinity is allowed.
 void positiveOrInfinite(double a, const std::string& path);
 void notNegativeOrInfinite(double a, const std::string& path);
+/// Principal moments: positive, none above the sum of the others.
+void moments(const Vec3& a, const std::string& path);
 /// Unit length.
 void unit(const Quat& q, const std::string& path);
 /// A length that is safe to normalize.
