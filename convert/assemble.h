@@ -1,6 +1,6 @@
 #pragma once
-/// From a model to a scene. Links without a degree of freedom become part of their parent, links that are fixed to
-/// the world static bodies, degrees of freedom joints.
+/// From a model to a scene. Links without a degree of freedom become part of their parent, links that are
+/// fixed to the world static bodies, degrees of freedom joints.
 #include "convert/model.h"
 
 namespace rubble::convert {
@@ -10,12 +10,12 @@ Scene assemble(const Model& model, Report& report);
 
 /// Where the links of a model are, and what they become.
 struct Layout {
-  std::vector<int> root;       ///< of each link: the link that its body is made of; -1: fixed to the world
-  std::vector<Pose> inRoot;    ///< pose of each link in the frame of its root (of the world: of the file)
-  std::vector<Pose> inWorld;   ///< at the beginning
-  std::vector<int> bodyOf;     ///< of each root: index of the body; -1 for others
-  std::vector<std::vector<int>> members;   ///< of each root: its links
-  std::vector<std::vector<int>> staticOf;  ///< of each link that is fixed to the world: its bodies
+  std::vector<int> root;      ///< of each link: the link that its body is made of; -1: fixed to the world
+  std::vector<Pose> inRoot;   ///< pose of each link in the frame of its root (of the world: of the file)
+  std::vector<Pose> inWorld;  ///< at the beginning
+  std::vector<int> bodyOf;    ///< of each root: index of the body; -1 for others
+  std::vector<std::vector<int>> members;         ///< of each root: its links
+  std::vector<std::vector<int>> staticOf;        ///< of each link that is fixed to the world: its bodies
   std::vector<std::vector<Contact>> contactsOf;  ///< of each body: those of its geoms
 };
 
@@ -38,7 +38,5 @@ struct TreeJoint {
 };
 /// One joint of all degrees of freedom of a link (assemble_dofs.cpp).
 TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report);
-
-
 
 }  // namespace rubble::convert

@@ -36,7 +36,9 @@ bool sameMass(const MassProperties& a, const MassProperties& b) {
 /// A box with these mass properties, for links without geometry.
 ShapePartDef boxOf(const MassProperties& mass) {
   const Vec3& i = mass.inertia;
-  const auto half = [&](double sum) { return std::sqrt(std::max(sum, 1e-12 * (i.x + i.y + i.z)) * 1.5 / mass.mass); };
+  const auto half = [&](double sum) {
+    return std::sqrt(std::max(sum, 1e-12 * (i.x + i.y + i.z)) * 1.5 / mass.mass);
+  };
   ShapePartDef part;
   part.shape = Shape::box({half(i.y + i.z - i.x), half(i.x + i.z - i.y), half(i.x + i.y - i.z)});
   part.position = mass.center;
@@ -85,7 +87,8 @@ class BodyBuilder {
                      std::string("a ") + keyword(geom.shape.type) + " is possible on static bodies only");
         continue;
       }
-      (geom.contact.any() ? colliding : visual).add(geom, layout_.inRoot[static_cast<std::size_t>(i)] * geom.pose);
+      (geom.contact.any() ? colliding : visual)
+          .add(geom, layout_.inRoot[static_cast<std::size_t>(i)] * geom.pose);
     }
   }
 
@@ -117,14 +120,15 @@ class BodyBuilder {
     if (!own.kinematic) {
       const std::string path = own.place.text() + ": " + body.name;
       if (!(sums.volume > 0))
-        throw Error(path + ".mass", "a mass above 0 of a body that moves (an inertial, or geometry with a density)",
-                    "none");
+        throw Error(path + ".mass",
+                    "a mass above 0 of a body that moves (an inertial, or geometry with a density)", "none");
       mass = principal(sums);
       checkInertia(*mass, path + ".inertia");
     }
     if (colliding.parts.empty()) body.filter.layers = body.filter.mask = 0;
     Parts& parts = colliding.parts.empty() ? visual : colliding;
-    if (parts.parts.empty()) parts.parts.push_back(mass ? boxOf(*mass) : ShapePartDef{Shape::sphere(.01), {}, {}});
+    if (parts.parts.empty())
+      parts.parts.push_back(mass ? boxOf(*mass) : ShapePartDef{Shape::sphere(.01), {}, {}});
     if (parts.material) body.material = *parts.material;
     setShape(body, std::move(parts.parts), mass);
     layout_.bodyOf[static_cast<std::size_t>(root)] = add(std::move(body), std::move(contacts));
@@ -134,8 +138,7 @@ class BodyBuilder {
     const Vec3& i = mass.inertia;
     constexpr double kRoundOff = 1 + 1e-9;
     if (!(std::min({i.x, i.y, i.z}) > 0))
-      throw Error(path, "principal moments above 0",
-                  std::to_string(std::min({i.x, i.y, i.z})));
+      throw Error(path, "principal moments above 0", std::to_string(std::min({i.x, i.y, i.z})));
     if (2 * std::max({i.x, i.y, i.z}) > (i.x + i.y + i.z) * kRoundOff)
       throw Error(path, "principal moments none of which is above the sum of the others",
                   std::to_string(i.x) + " " + std::to_string(i.y) + " " + std::to_string(i.z));

@@ -1,5 +1,6 @@
 /// One joint of all degrees of freedom of a link. Slides and hinges of one body become a six_dof joint: with
-/// R = R_z(q1) R_x(q2) the swing about z is q1 and the twist about x is q2, so two orthogonal hinges are exact.
+/// R = R_z(q1) R_x(q2) the swing about z is q1 and the twist about x is q2, so two orthogonal hinges are
+/// exact.
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +25,8 @@ JointAxis axisOf(const Dof& dof, double sign) {
   }
   const DofDrive& drive = dof.drive;
   axis.driveStiffness = drive.stiffness, axis.driveDamping = drive.damping;
-  if (drive.stiffness > 0) axis.targetPosition = sign * (drive.stiffnessTarget / drive.stiffness - dof.reference);
+  if (drive.stiffness > 0)
+    axis.targetPosition = sign * (drive.stiffnessTarget / drive.stiffness - dof.reference);
   if (drive.damping > 0) axis.targetSpeed = sign * drive.dampingSpeed / drive.damping;
   axis.maxDriveForce = drive.maxForce;
   axis.friction = dof.friction;
@@ -65,7 +67,8 @@ class SixDof {
   SixDof(const Link& link, Report& report) : link_(link), report_(report) {
     for (const Dof& dof : link.dofs) (dof.type == DofType::Slide ? slides_ : turns_).push_back(&dof);
     const bool slidesFirst = isOrdered(DofType::Slide, true), turnsFirst = isOrdered(DofType::Slide, false);
-    // Axes of travel are those of B. Slides that come after the hinges move with the child: then B is the child.
+    // Axes of travel are those of B. Slides that come after the hinges move with the child: then B is the
+    // child.
     swapped = !slidesFirst && turnsFirst;
     if (!slidesFirst && !turnsFirst)
       note(Effect::Approximate, "slides between hinges act as if they came first");
@@ -76,7 +79,8 @@ class SixDof {
   JointDef build() {
     joint_.type = JointType::SixDof;
     joint_.axes.fill(locked());
-    const bool ball = std::any_of(turns_.begin(), turns_.end(), [](auto* d) { return d->type == DofType::Ball; });
+    const bool ball = std::any_of(turns_.begin(), turns_.end(),
+                                  [](auto* d) { return d->type == DofType::Ball; });
     if (ball)
       addBall();
     else
@@ -159,11 +163,13 @@ class SixDof {
       joint_.axes[4] = axisOf(middle, along < 0 ? -sign_ : sign_);
       orthogonal = orthogonal && std::fabs(along) > 1 - kAligned;
       const bool plain = std::all_of(turns_.begin(), turns_.end(), [](const Dof* dof) {
-        return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) && !(dof->friction > 0);
+        return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) &&
+               !(dof->friction > 0);
       });
       if (!plain)
         note(Effect::Approximate,
-             "limits, drives and friction of three hinges act on swing and twist, which are the angles of the hinges "
+             "limits, drives and friction of three hinges act on swing and twist, which are the angles of "
+             "the hinges "
              "while the other two are small");
     }
     if (!orthogonal) note(Effect::Approximate, "axes of hinges that are not orthogonal are made so");
@@ -175,17 +181,20 @@ class SixDof {
     for (const Dof* slide : slides_) {
       int best = -1;
       for (int k = 0; k < 3; ++k)
-        if (!used[k] && (best < 0 || std::fabs(dot(slide->axis, axes[k])) > std::fabs(dot(slide->axis, axes[best]))))
+        if (!used[k] &&
+            (best < 0 || std::fabs(dot(slide->axis, axes[k])) > std::fabs(dot(slide->axis, axes[best]))))
           best = k;
       if (best < 0 || std::fabs(dot(slide->axis, axes[best])) < kAligned) {
-        report_.note(Effect::Lost, slide->place, "joint" + inQuotes(slide->name), "a further slide along the same axis");
+        report_.note(Effect::Lost, slide->place, "joint" + inQuotes(slide->name),
+                     "a further slide along the same axis");
         continue;
       }
       used[best] = true;
       const double along = dot(slide->axis, axes[best]);
       if (std::fabs(along) < 1 - kAligned)
         report_.note(Effect::Approximate, slide->place, "joint.axis",
-                     "a slide that is not along or across the other axes of its body is turned to the nearest of them");
+                     "a slide that is not along or across the other axes of its body is turned to the "
+                     "nearest of them");
       joint_.axes[static_cast<std::size_t>(best)] = axisOf(*slide, along < 0 ? -sign_ : sign_);
     }
   }
@@ -202,7 +211,8 @@ class SixDof {
     };
     for (const Dof* dof : turns_)
       if (fits(dof->anchor)) return dof->anchor;
-    note(Effect::Approximate, "axes of hinges that do not meet in a point are moved to the anchor of the last one");
+    note(Effect::Approximate,
+         "axes of hinges that do not meet in a point are moved to the anchor of the last one");
     return link_.dofs.back().anchor;
   }
 

@@ -1,5 +1,6 @@
-/// Collision filters. Bodies with the same masks of geoms form a class, each class is one layer, and the mask of a
-/// class holds the classes that it collides with by the rule of the model. This is exact for up to 32 classes.
+/// Collision filters. Bodies with the same masks of geoms form a class, each class is one layer, and the mask
+/// of a class holds the classes that it collides with by the rule of the model. This is exact for up to 32
+/// classes.
 #include <algorithm>
 #include <set>
 

@@ -12,8 +12,8 @@ class Folders {
  public:
   /// Throws Error if there is no such folder.
   void allow(const std::filesystem::path& folder);
-  /// The file of that name in `base`. Throws Error at `who` unless it exists and, with links resolved, lies in
-  /// an allowed folder.
+  /// The file of that name in `base`. Throws Error at `who` unless it exists and, with links resolved, lies
+  /// in an allowed folder.
   std::filesystem::path find(const std::filesystem::path& base, const std::string& name,
                              const std::string& who) const;
   /// Is there such a file?

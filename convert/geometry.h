@@ -23,8 +23,8 @@ TriangleMesh hullOf(const std::vector<Vec3>& points, const std::string& path);
 
 /// Largest number of corners of a hull that is made of a mesh. Contact tests cost time in proportion to it.
 inline constexpr std::size_t kMostCorners = 64;
-/// The points of at most kMostCorners corners of the convex hull: those farthest along evenly spread directions.
-/// `reduced`: were there more? Throws Error as hullOf().
+/// The points of at most kMostCorners corners of the convex hull: those farthest along evenly spread
+/// directions. `reduced`: were there more? Throws Error as hullOf().
 std::vector<Vec3> cornersOf(const std::vector<Vec3>& points, bool& reduced, const std::string& path);
 
 /// Unit vectors that are spread evenly, and the six along the axes.

@@ -1,6 +1,6 @@
 #pragma once
-/// Robot models from other programs as scenes: MJCF (MuJoCo) and URDF with SRDF. docs/importing.md lists what is
-/// supported.
+/// Robot models from other programs as scenes: MJCF (MuJoCo) and URDF with SRDF. docs/importing.md lists what
+/// is supported.
 #include <map>
 #include <string>
 #include <vector>

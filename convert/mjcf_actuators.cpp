@@ -1,5 +1,5 @@
-/// <actuator>: a force gear * (gain * ctrl + b0 + b1 * length + b2 * speed), with length = gear * q, is a drive of
-/// stiffness -b1 gear^2 and damping -b2 gear^2. A force that depends on neither has no drive.
+/// <actuator>: a force gear * (gain * ctrl + b0 + b1 * length + b2 * speed), with length = gear * q, is a
+/// drive of stiffness -b1 gear^2 and damping -b2 gear^2. A force that depends on neither has no drive.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,8 @@ struct Law {
 };
 
 std::optional<Law> generalLaw(const Tag& tag, double control) {
-  const std::string dynamics = tag.text("dyntype").value_or("none"), gain = tag.text("gaintype").value_or("fixed"),
+  const std::string dynamics = tag.text("dyntype").value_or("none"),
+                    gain = tag.text("gaintype").value_or("fixed"),
                     bias = tag.text("biastype").value_or("none");
   const auto gains = tag.numbers("gainprm", 1, 10).value_or(std::vector<double>{1});
   auto biases = tag.numbers("biasprm", 1, 10).value_or(std::vector<double>{0});
@@ -68,15 +69,19 @@ void MjcfReader::readActuator(const Tag& tag) {
   if (const auto range = limitOf(tag, "forcerange", "forcelimited")) {
     most = std::fabs(gear) * std::max(std::fabs((*range)[0]), std::fabs((*range)[1]));
     if ((*range)[0] != -(*range)[1])
-      report_.note(Effect::Approximate, tag.place(), tag.type() + ".forcerange", "the larger bound holds both ways");
+      report_.note(Effect::Approximate, tag.place(), tag.type() + ".forcerange",
+                   "the larger bound holds both ways");
   }
   if (const auto limit = actuatorForce_.find(found->second); limit != actuatorForce_.end())
     most = std::min(most, limit->second);
   const std::optional<Law> law = lawOf(tag, control, report_);
-  if (!law) return lose("only motor, position, velocity, damper and general actuators without dynamics become drives");
+  if (!law)
+    return lose(
+        "only motor, position, velocity, damper and general actuators without dynamics become drives");
   for (const char* passive : {"damping", "armature"})
     if (const auto list = tag.numbers(passive, 1, 3); list && (*list)[0] != 0)
-      report_.note(Effect::Lost, tag.place(), tag.type() + "." + passive, "of an actuator; give it to the joint");
+      report_.note(Effect::Lost, tag.place(), tag.type() + "." + passive,
+                   "of an actuator; give it to the joint");
   if (law->byLength > 0 || law->bySpeed > 0) return lose("a force that grows with position or speed");
   if (law->byLength == 0 && law->bySpeed == 0) {
     if (law->constant == 0)

@@ -14,7 +14,8 @@ constexpr std::size_t kMostNumbers = std::size_t{1} << 24;
 constexpr int kMostSamples = 1 << 14;
 
 /// Heights of MuJoCo's binary format: the counts of rows and columns, then the samples in single precision.
-std::vector<double> readSamples(const std::filesystem::path& file, MjcfHeightField& field, const std::string& who) {
+std::vector<double> readSamples(const std::filesystem::path& file, MjcfHeightField& field,
+                                const std::string& who) {
   std::ifstream in(file, std::ios::binary);
   std::int32_t counts[2] = {};
   static_assert(std::endian::native == std::endian::little);
@@ -23,7 +24,8 @@ std::vector<double> readSamples(const std::filesystem::path& file, MjcfHeightFie
     throw Error(who, "a binary height field (2 to 16384 rows and columns)", file.filename().string());
   field.rows = counts[0], field.columns = counts[1];
   std::vector<float> samples(static_cast<std::size_t>(field.rows) * static_cast<std::size_t>(field.columns));
-  in.read(reinterpret_cast<char*>(samples.data()), static_cast<std::streamsize>(samples.size() * sizeof(float)));
+  in.read(reinterpret_cast<char*>(samples.data()),
+          static_cast<std::streamsize>(samples.size() * sizeof(float)));
   if (!in) throw Error(who, std::to_string(samples.size()) + " samples", "fewer");
   return {samples.begin(), samples.end()};
 }
@@ -67,16 +69,19 @@ void MjcfReader::readMesh(const Tag& tag) {
     const io::MeshFile content = io::readMesh(file.string());
     mesh = content.surface();
   } else if (const auto numbers = tag.numbers("vertex", 3, kMostNumbers)) {
-    if (numbers->size() % 3 != 0) tag.fail("vertex", "three numbers for each vertex", std::to_string(numbers->size()));
+    if (numbers->size() % 3 != 0)
+      tag.fail("vertex", "three numbers for each vertex", std::to_string(numbers->size()));
     for (std::size_t i = 0; i < numbers->size(); i += 3)
       mesh.vertices.push_back({(*numbers)[i], (*numbers)[i + 1], (*numbers)[i + 2]});
     if (const auto faces = tag.numbers("face", 3, kMostNumbers)) {
       const auto count = static_cast<double>(mesh.vertices.size());
-      if (faces->size() % 3 != 0) tag.fail("face", "three vertices for each face", std::to_string(faces->size()));
+      if (faces->size() % 3 != 0)
+        tag.fail("face", "three vertices for each face", std::to_string(faces->size()));
       for (std::size_t i = 0; i < faces->size(); ++i) {
         const double v = (*faces)[i];
         if (!(v >= 0 && v < count) || v != static_cast<double>(static_cast<int>(v)))
-          tag.fail("face", "indices of vertices below " + std::to_string(mesh.vertices.size()), std::to_string(v));
+          tag.fail("face", "indices of vertices below " + std::to_string(mesh.vertices.size()),
+                   std::to_string(v));
         if (i % 3 == 0) mesh.triangles.emplace_back();
         mesh.triangles.back()[i % 3] = static_cast<int>(v);
       }
@@ -86,7 +91,8 @@ void MjcfReader::readMesh(const Tag& tag) {
   }
   if (name.empty()) tag.fail("name", "a name", "none");
   if (meshes_.contains(name)) tag.fail("name", "a name that no other mesh has", "\"" + name + "\"");
-  const Vec3 scale = tag.vector("scale").value_or(Vec3{1, 1, 1}), origin = tag.vector("refpos").value_or(Vec3{});
+  const Vec3 scale = tag.vector("scale").value_or(Vec3{1, 1, 1}),
+             origin = tag.vector("refpos").value_or(Vec3{});
   const Quat turn = quaternionOf(tag, "refquat").value_or(Quat{});
   for (Vec3& v : mesh.vertices) v = mul(rotateInverse(turn, v - origin), scale);
   if (scale.x * scale.y * scale.z < 0)
@@ -113,7 +119,8 @@ void MjcfReader::readHeightField(const Tag& tag) {
     const std::filesystem::path file = assetFile(tag, "");
     if (name.empty()) name = file.stem().string();
     if (file.extension() == ".png") {
-      report_.note(Effect::Lost, tag.place(), "hfield" + inQuotes(name), "heights in a PNG file; use the binary format");
+      report_.note(Effect::Lost, tag.place(), "hfield" + inQuotes(name),
+                   "heights in a PNG file; use the binary format");
       return;
     }
     field.samples = readSamples(file, field, tag.path("file"));

@@ -65,8 +65,10 @@ void MjcfReader::readBody(const Tag& tag, const MjcfScope& scope) {
     tag.fail("name", "a name that no other body has", "\"" + own.name + "\"");
   model_.links.push_back(std::move(own));
   geomMass_.emplace_back(), hasInertial_.push_back(false);
-  MjcfScope inner{index, {}, tag.text("childclass").value_or(scope.childClass), scope.suffix, scope.depth + 1};
-  if (!inner.childClass.empty() && inner.childClass != defaults_.main && !defaults_.parent.contains(inner.childClass))
+  MjcfScope inner{
+      index, {}, tag.text("childclass").value_or(scope.childClass), scope.suffix, scope.depth + 1};
+  if (!inner.childClass.empty() && inner.childClass != defaults_.main &&
+      !defaults_.parent.contains(inner.childClass))
     tag.fail("childclass", "the name of a default class", "\"" + inner.childClass + "\"");
   readChildren(tag.node(), inner);
 }

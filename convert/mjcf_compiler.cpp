@@ -16,7 +16,8 @@ void MjcfReader::readCompiler(pugi::xml_node node) {
       tag.fail("eulerseq", "three of the letters x, y, z, X, Y, Z", "\"" + *sequence + "\"");
     compiler_.eulerSequence = *sequence;
   }
-  compiler_.inertiaFromGeoms = tag.choice("inertiafromgeom", {"false", "true", "auto"}, compiler_.inertiaFromGeoms);
+  compiler_.inertiaFromGeoms = tag.choice("inertiafromgeom", {"false", "true", "auto"},
+                                          compiler_.inertiaFromGeoms);
   if (const auto range = tag.range("inertiagrouprange")) compiler_.inertiaGroups = *range;
   compiler_.balanceInertia = tag.flag("balanceinertia", compiler_.balanceInertia);
   compiler_.boundMass = tag.number("boundmass", compiler_.boundMass);
@@ -34,7 +35,8 @@ void MjcfReader::readOption(pugi::xml_node node) {
   model_.gravity = tag.vector("gravity").value_or(model_.gravity);
   for (const char* medium : {"density", "viscosity"})
     if (tag.number(medium, 0) != 0)
-      report_.note(Effect::Lost, tag.place(), std::string("option.") + medium, "there is no drag of a medium");
+      report_.note(Effect::Lost, tag.place(), std::string("option.") + medium,
+                   "there is no drag of a medium");
   if (lengthSquared(tag.vector("wind").value_or(Vec3{})) > 0)
     report_.note(Effect::Lost, tag.place(), "option.wind", "there is no wind");
   for (const pugi::xml_node& flag : source_.children(node, "flag")) readFlags(flag);
@@ -74,7 +76,8 @@ Quat MjcfReader::orientationOf(const Tag& tag) const {
     return v / length(v);
   };
   // an orientation of the element itself comes before one of its defaults
-  const bool byDefault = !(tag.hasOwn("axisangle") || tag.hasOwn("euler") || tag.hasOwn("xyaxes") || tag.hasOwn("zaxis"));
+  const bool byDefault = !(tag.hasOwn("axisangle") || tag.hasOwn("euler") || tag.hasOwn("xyaxes") ||
+                           tag.hasOwn("zaxis"));
   if (tag.hasOwn("quat") || byDefault)
     if (const auto q = quaternionOf(tag, "quat")) return *q;
   if (const auto a = tag.numbers("axisangle", 4, 4))

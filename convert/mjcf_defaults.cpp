@@ -1,4 +1,5 @@
-/// Default classes: an attribute that an element lacks comes from its class, then from the parents of the class.
+/// Default classes: an attribute that an element lacks comes from its class, then from the parents of the
+/// class.
 #include <algorithm>
 
 #include "convert/mjcf_reader.h"
@@ -6,8 +7,9 @@
 namespace rubble::convert {
 namespace {
 
-const std::vector<std::string> kActuators{"general",  "motor",    "position", "velocity", "intvelocity", "orientation", "pid",
-                                          "damper",   "cylinder", "muscle",   "adhesion", "dcmotor",     "plugin"};
+const std::vector<std::string> kActuators{"general",     "motor",   "position", "velocity", "intvelocity",
+                                          "orientation", "pid",     "damper",   "cylinder", "muscle",
+                                          "adhesion",    "dcmotor", "plugin"};
 
 }  // namespace
 

@@ -14,7 +14,8 @@ const std::vector<std::string> kTypes{"plane",    "hfield", "sphere", "capsule",
 
 Vec3 positive(const Tag& tag, const std::vector<double>& size, std::size_t count) {
   if (size.size() < count)
-    tag.fail("size", std::to_string(count) + (count == 1 ? " number" : " numbers"), std::to_string(size.size()));
+    tag.fail("size", std::to_string(count) + (count == 1 ? " number" : " numbers"),
+             std::to_string(size.size()));
   Vec3 out;
   for (std::size_t i = 0; i < count; ++i) {
     if (!(size[i] > 0)) tag.fail("size", "numbers above 0 [m]", std::to_string(size[i]));
@@ -61,7 +62,8 @@ void MjcfReader::readGeom(const Tag& tag, const MjcfScope& scope) {
   if (solid.volume > 0 && group >= compiler_.inertiaGroups[0] && group <= compiler_.inertiaGroups[1]) {
     const double factor = mass ? *mass / solid.volume : density;
     if (shell && factor > 0)
-      report_.note(Effect::Lost, tag.place(), "geom.shellinertia", "mass is in the solid and not on the surface");
+      report_.note(Effect::Lost, tag.place(), "geom.shellinertia",
+                   "mass is in the solid and not on the surface");
     geomMass_[static_cast<std::size_t>(scope.link)] += placed(solid, geom.pose.p, geom.pose.q, factor);
   }
   link(scope.link).geoms.push_back(std::move(geom));
@@ -70,7 +72,8 @@ void MjcfReader::readGeom(const Tag& tag, const MjcfScope& scope) {
 Material MjcfReader::materialOf(const Tag& tag) {
   // friction is along the surface, about its normal, and of rolling; condim says which of them act
   std::vector<double> friction{1, .005, .0001};
-  if (const auto given = tag.numbers("friction", 1, 3)) std::copy(given->begin(), given->end(), friction.begin());
+  if (const auto given = tag.numbers("friction", 1, 3))
+    std::copy(given->begin(), given->end(), friction.begin());
   for (const double each : friction)
     if (each < 0) tag.fail("friction", "numbers of at least 0", std::to_string(each));
   const int dimensions = tag.whole("condim", 1, 6).value_or(3);
@@ -91,22 +94,25 @@ bool MjcfReader::shapeOf(const Tag& tag, const std::string& type, Geom& geom, So
   if (type == "hfield") return fieldShape(tag, geom);
   if (type == "mesh" || tag.has("mesh")) return meshShape(tag, geom, solid);
   if (type == "sdf") {
-    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name), "a signed distance function of a plugin");
+    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
+                 "a signed distance function of a plugin");
     return false;
   }
   std::vector<double> size = tag.numbers("size", 1, 3).value_or(std::vector<double>{});
   if (type != "sphere")
-    if (const auto ends = tag.numbers("fromto", 6, 6)) size = spanned(tag, type, std::move(size), *ends, geom.pose);
+    if (const auto ends = tag.numbers("fromto", 6, 6))
+      size = spanned(tag, type, std::move(size), *ends, geom.pose);
   const Vec3 s = positive(tag, size, type == "sphere" ? 1 : type == "capsule" || type == "cylinder" ? 2 : 3);
   if (type == "ellipsoid") {
     geom.shape = ellipsoidHull(s);
     solid = sumsOf(ellipsoidMass(s));
-    report_.note(Effect::Approximate, tag.place(), "geom.type",
-                 "an ellipsoid is a convex hull of 64 of its points in contacts; its mass properties are exact");
+    report_.note(
+        Effect::Approximate, tag.place(), "geom.type",
+        "an ellipsoid is a convex hull of 64 of its points in contacts; its mass properties are exact");
     return true;
   }
-  geom.shape = type == "sphere"    ? Shape::sphere(s.x)
-               : type == "capsule" ? Shape::capsule(s.x, s.y)
+  geom.shape = type == "sphere"     ? Shape::sphere(s.x)
+               : type == "capsule"  ? Shape::capsule(s.x, s.y)
                : type == "cylinder" ? Shape::cylinder(s.x, s.y)
                                     : Shape::box(s);
   solid = sumsOf(massProperties(geom.shape, 1));
@@ -117,7 +123,8 @@ bool MjcfReader::meshShape(const Tag& tag, Geom& geom, SolidSums& solid) {
   const std::string name = tag.need("mesh");
   const auto found = meshes_.find(name);
   if (found == meshes_.end()) {
-    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name), "the mesh '" + name + "' is not there");
+    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
+                 "the mesh '" + name + "' is not there");
     return false;
   }
   if (tag.text("type").value_or("mesh") != "mesh")
@@ -148,7 +155,8 @@ bool MjcfReader::fieldShape(const Tag& tag, Geom& geom) {
   const std::string name = tag.need("hfield");
   const auto found = fields_.find(name);
   if (found == fields_.end()) {
-    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name), "the hfield '" + name + "' is not there");
+    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
+                 "the hfield '" + name + "' is not there");
     return false;
   }
   const MjcfHeightField& field = found->second;

@@ -6,7 +6,8 @@
 
 namespace rubble::convert {
 
-std::optional<std::array<double, 2>> MjcfReader::limitOf(const Tag& tag, const char* range, const char* limited) {
+std::optional<std::array<double, 2>> MjcfReader::limitOf(const Tag& tag, const char* range,
+                                                         const char* limited) {
   const std::size_t wanted = tag.choice(limited, {"false", "true", "auto"}, 2);
   const auto given = tag.range(range);
   const bool isLimited = wanted == 1 || (wanted == 2 && compiler_.autolimits && given);
@@ -26,7 +27,8 @@ void MjcfReader::readJoint(const Tag& tag, const MjcfScope& scope) {
   const std::string name = tag.name().empty() ? "" : tag.name() + scope.suffix;
   if (type == 0) {
     if (own.parent != 0) tag.fail("type", "a free joint of a child of the world", "one of another body");
-    if (!own.dofs.empty() || own.free) tag.fail("type", "a free joint that is alone in its body", "several joints");
+    if (!own.dofs.empty() || own.free)
+      tag.fail("type", "a free joint that is alone in its body", "several joints");
     own.free = true;
     report_.converted(tag.place(), tag.describe(), "free body" + inQuotes(own.name));
     for (const char* key : {"damping", "frictionloss", "stiffness", "armature"})
@@ -43,7 +45,8 @@ void MjcfReader::readJoint(const Tag& tag, const MjcfScope& scope) {
   const bool turns = out.type != DofType::Slide;
   const auto coordinate = [&](double value) { return turns ? angle(value) : value; };
   const Vec3 axis = tag.vector("axis").value_or(Vec3{0, 0, 1});
-  if (out.type != DofType::Ball && !(length(axis) > 1e-10)) tag.fail("axis", "a direction", "a vector of length 0");
+  if (out.type != DofType::Ball && !(length(axis) > 1e-10))
+    tag.fail("axis", "a direction", "a vector of length 0");
   out.axis = rotate(scope.pose.q, normalize(axis));
   out.anchor = scope.pose * tag.vector("pos").value_or(Vec3{});
   out.reference = out.type == DofType::Ball ? 0 : coordinate(tag.number("ref", 0));
@@ -70,7 +73,8 @@ void MjcfReader::readJoint(const Tag& tag, const MjcfScope& scope) {
                  "inertia of a rotor about its joint; without it the joint accelerates faster");
   const auto springDamper = tag.range("springdamper");
   if (springDamper && ((*springDamper)[0] != 0 || (*springDamper)[1] != 0))
-    report_.note(Effect::Lost, tag.place(), "joint.springdamper", "a spring by its time constant; give stiffness and damping");
+    report_.note(Effect::Lost, tag.place(), "joint.springdamper",
+                 "a spring by its time constant; give stiffness and damping");
   const std::pair<int, int> at{scope.link, static_cast<int>(own.dofs.size())};
   if (const auto force = limitOf(tag, "actuatorfrcrange", "actuatorfrclimited"))
     actuatorForce_[at] = std::max(std::fabs((*force)[0]), std::fabs((*force)[1]));

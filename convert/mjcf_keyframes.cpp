@@ -9,14 +9,16 @@ void MjcfReader::readKeyframes(pugi::xml_node node) {
   int index = 0;
   for (const pugi::xml_node& child : source_.children(node, "key")) {
     const Tag tag(source_, child);
-    const bool wanted = !options_.key.empty() && (tag.name() == options_.key || std::to_string(index) == options_.key);
+    const bool wanted = !options_.key.empty() &&
+                        (tag.name() == options_.key || std::to_string(index) == options_.key);
     if (wanted && !foundKey_) {
       foundKey_ = true;
       applyKey(tag);
       report_.converted(tag.place(), "key" + inQuotes(tag.name()), "start of the scene");
     } else {
       for (const pugi::xml_attribute& attribute : child.attributes()) source_.use(attribute);
-      report_.note(Effect::None, tag.place(), "key" + inQuotes(tag.name()), "the scene starts in it with --key");
+      report_.note(Effect::None, tag.place(), "key" + inQuotes(tag.name()),
+                   "the scene starts in it with --key");
     }
     ++index;
   }

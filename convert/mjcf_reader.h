@@ -84,7 +84,8 @@ class MjcfReader {
   Tag tagOf(pugi::xml_node node, const std::string& childClass = "");
   /// The same for actuators, whose types share their defaults.
   Tag actuatorOf(pugi::xml_node node);
-  std::vector<pugi::xml_node> defaultsOf(const std::string& className, const std::vector<std::string>& types) const;
+  std::vector<pugi::xml_node> defaultsOf(const std::string& className,
+                                         const std::vector<std::string>& types) const;
   std::string classOf(const pugi::xml_node& node, const std::string& childClass) const;
 
   // mjcf_assets.cpp
@@ -145,12 +146,12 @@ class MjcfReader {
   std::map<std::string, int> linkByName_;
   std::map<std::string, std::pair<int, int>> dofByName_;
   std::map<std::string, MjcfSite> sites_;
-  std::vector<SolidSums> geomMass_;   ///< of each link: sum of its geoms, in the frame of the link
-  std::vector<bool> hasInertial_;     ///< of each link
+  std::vector<SolidSums> geomMass_;  ///< of each link: sum of its geoms, in the frame of the link
+  std::vector<bool> hasInertial_;    ///< of each link
   std::map<std::pair<int, int>, double> actuatorForce_;  ///< limits by actuatorfrcrange [N], [N m]
   std::vector<double> controls_;                         ///< of the keyframe
-  std::size_t actuators_ = 0;         ///< read so far
-  std::size_t elements_ = 0;          ///< of the tree of bodies, with repetitions
+  std::size_t actuators_ = 0;                            ///< read so far
+  std::size_t elements_ = 0;                             ///< of the tree of bodies, with repetitions
   bool foundKey_ = false;
 };
 

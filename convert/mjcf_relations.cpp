@@ -90,7 +90,8 @@ void MjcfReader::readCoupling(const Tag& tag) {
     return found->second;
   };
   std::vector<double> terms{0, 1, 0, 0, 0};
-  if (const auto given = tag.numbers("polycoef", 1, 5)) std::copy(given->begin(), given->end(), terms.begin());
+  if (const auto given = tag.numbers("polycoef", 1, 5))
+    std::copy(given->begin(), given->end(), terms.begin());
   const std::pair<int, int> first = dofOf("joint1");
   if (!tag.has("joint2")) {
     Dof& own = dof(first);

@@ -43,7 +43,8 @@ const Reasons& elements() {
 /// Attributes that are not read: of one type of element, or of any.
 const Reasons& attributes() {
   static const Reasons all{
-      {"geom.priority", {Effect::Approximate, "which geom of a pair gives the friction; a pair takes the larger one"}},
+      {"geom.priority",
+       {Effect::Approximate, "which geom of a pair gives the friction; a pair takes the larger one"}},
       {"geom.solmix", {Effect::None, kSolver}},
       {"geom.margin", {Effect::Approximate, "contacts begin where surfaces touch"}},
       {"geom.gap", {Effect::Approximate, "contacts begin where surfaces touch"}},

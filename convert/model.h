@@ -1,6 +1,6 @@
 #pragma once
-/// A robot model as its file describes it: a tree of links with their geometry and degrees of freedom. Readers of
-/// formats fill it, assemble() makes a scene of it.
+/// A robot model as its file describes it: a tree of links with their geometry and degrees of freedom.
+/// Readers of formats fill it, assemble() makes a scene of it.
 #include <array>
 #include <optional>
 #include <string>
@@ -19,9 +19,7 @@ struct Pose {
   Vec3 p;  ///< [m]
   Quat q;
 };
-inline Pose operator*(const Pose& a, const Pose& b) {
-  return {a.p + rotate(a.q, b.p), normalize(a.q * b.q)};
-}
+inline Pose operator*(const Pose& a, const Pose& b) { return {a.p + rotate(a.q, b.p), normalize(a.q * b.q)}; }
 inline Pose inverse(const Pose& a) { return {-rotateInverse(a.q, a.p), conjugate(a.q)}; }
 inline Vec3 operator*(const Pose& a, const Vec3& x) { return a.p + rotate(a.q, x); }
 
@@ -54,13 +52,14 @@ struct DofDrive {
 
 enum class DofType { Hinge, Slide, Ball };
 
-/// A joint of a link toward its parent. Several of one link act in their order, the first one next to the parent.
+/// A joint of a link toward its parent. Several of one link act in their order, the first one next to the
+/// parent.
 struct Dof {
   DofType type = DofType::Hinge;
   std::string name;
   Place place;
-  Vec3 axis{0, 0, 1};  ///< in the frame of the link; hinge, slide
-  Vec3 anchor;         ///< in the frame of the link [m]; hinge, ball
+  Vec3 axis{0, 0, 1};    ///< in the frame of the link; hinge, slide
+  Vec3 anchor;           ///< in the frame of the link [m]; hinge, ball
   double reference = 0;  ///< coordinate of the pose in the file [m], [rad]
   /// Coordinates at most; ball: {0, largest angle} [m], [rad].
   std::optional<std::array<double, 2>> range;

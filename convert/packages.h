@@ -8,8 +8,8 @@
 
 namespace rubble::convert {
 
-/// Folders of ROS packages. A package that was not given is a folder of its name at or above the folder of the
-/// model; its files are then allowed to be read.
+/// Folders of ROS packages. A package that was not given is a folder of its name at or above the folder of
+/// the model; its files are then allowed to be read.
 class Packages {
  public:
   Packages(Folders& folders, std::filesystem::path home, const std::map<std::string, std::string>& given);

@@ -9,10 +9,8 @@ namespace rubble::convert {
 Quat quatOfAxes(const Vec3& x, const Vec3& y, const Vec3& z) {
   // Shepperd 1978: the largest component first
   const double trace = x.x + y.y + z.z;
-  if (trace >= std::max({x.x, y.y, z.z}))
-    return normalize(Quat{1 + trace, y.z - z.y, z.x - x.z, x.y - y.x});
-  if (x.x >= std::max(y.y, z.z))
-    return normalize(Quat{y.z - z.y, 1 + x.x - y.y - z.z, x.y + y.x, z.x + x.z});
+  if (trace >= std::max({x.x, y.y, z.z})) return normalize(Quat{1 + trace, y.z - z.y, z.x - x.z, x.y - y.x});
+  if (x.x >= std::max(y.y, z.z)) return normalize(Quat{y.z - z.y, 1 + x.x - y.y - z.z, x.y + y.x, z.x + x.z});
   if (y.y >= z.z) return normalize(Quat{z.x - x.z, x.y + y.x, 1 + y.y - x.x - z.z, y.z + z.y});
   return normalize(Quat{x.y - y.x, z.x + x.z, y.z + z.y, 1 + z.z - x.x - y.y});
 }

@@ -20,8 +20,8 @@ class Source {
   explicit Source(Folders& folders) : folders_(folders) {}
   Source(const Source&) = delete;
 
-  /// Root element of a file. `who` is named in errors. Throws Error with line and column of a syntax error, and
-  /// for document types (entities), files above the size limit and elements nested too deeply.
+  /// Root element of a file. `who` is named in errors. Throws Error with line and column of a syntax error,
+  /// and for document types (entities), files above the size limit and elements nested too deeply.
   pugi::xml_node load(const std::filesystem::path& file, const std::string& who);
   /// Root element of a text, for tests. `file`: its name in places.
   pugi::xml_node loadText(const std::string& text, const std::string& file);

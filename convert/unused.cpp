@@ -32,12 +32,16 @@ class Sweep {
     const auto add = [&](const Reason& reason) {
       report_.note(reason.effect, source_.place(node), what, reason.why);
     };
-    if (const auto found = words_.attributes.find(what); found != words_.attributes.end()) return add(found->second);
-    if (const auto found = words_.anywhere.find(key); found != words_.anywhere.end()) return add(found->second);
+    if (const auto found = words_.attributes.find(what); found != words_.attributes.end())
+      return add(found->second);
+    if (const auto found = words_.anywhere.find(key); found != words_.anywhere.end())
+      return add(found->second);
     // elements of this kind are not converted, so their defaults do not matter by themselves
-    if (inDefaults && words_.elements.contains(type)) return add({Effect::None, words_.elements.at(type).why});
+    if (inDefaults && words_.elements.contains(type))
+      return add({Effect::None, words_.elements.at(type).why});
     if (inDefaults) return add({Effect::None, "a default that no element takes"});
-    if (source_.knows(what)) return add({Effect::None, "another attribute takes its place, or nothing needs it"});
+    if (source_.knows(what))
+      return add({Effect::None, "another attribute takes its place, or nothing needs it"});
     if (type == "option" || type == "flag") return add({Effect::None, "settings of the solver"});
     if (type == "compiler") return add({Effect::None, "settings of the compiler"});
     add({Effect::Lost, "an attribute that is not known here"});

@@ -23,7 +23,10 @@ struct UrdfJoint {
 class UrdfReader {
  public:
   UrdfReader(Source& source, const ImportOptions& options, Report& report)
-      : source_(source), options_(options), report_(report), packages_(source.folders(), source.home(), options.packages) {}
+      : source_(source),
+        options_(options),
+        report_(report),
+        packages_(source.folders(), source.home(), options.packages) {}
 
   Model read(pugi::xml_node root) {
     model_.name = Tag(source_, root).name();
@@ -68,7 +71,8 @@ class UrdfReader {
       const std::string name = node.attribute("name").value();
       if (isChild_.contains(name)) continue;
       if (!found.empty())
-        throw Error(source_.path(node), "one link without a parent", "\"" + found + "\" and \"" + name + "\"");
+        throw Error(source_.path(node), "one link without a parent",
+                    "\"" + found + "\" and \"" + name + "\"");
       found = name;
     }
     if (found.empty()) throw Error(source_.path(root), "a link without a parent", "none");
@@ -125,9 +129,9 @@ class UrdfReader {
     const Tag mass = child("mass"), inertia = child("inertia");
     const double value = mass.needNumber("value");
     if (value < 0) mass.fail("value", "a mass of at least 0 [kg]", std::to_string(value));
-    const std::array<double, 6> tensor{inertia.needNumber("ixx"),  inertia.needNumber("iyy"),
-                                       inertia.needNumber("izz"),  inertia.number("ixy", 0),
-                                       inertia.number("ixz", 0), inertia.number("iyz", 0)};
+    const std::array<double, 6> tensor{inertia.needNumber("ixx"), inertia.needNumber("iyy"),
+                                       inertia.needNumber("izz"), inertia.number("ixy", 0),
+                                       inertia.number("ixz", 0),  inertia.number("iyz", 0)};
     const Pose origin = originOf(node);
     if (value > 0) link.mass = placed(sumsOfTensor(value, tensor), origin.p, origin.q, 1);
   }
@@ -156,7 +160,8 @@ class UrdfReader {
     const std::string type = tag.type();
     if (type == "box") {
       const auto size = tag.vector("size");
-      if (!size || !(std::min({size->x, size->y, size->z}) > 0)) tag.fail("size", "three lengths above 0 [m]", "others");
+      if (!size || !(std::min({size->x, size->y, size->z}) > 0))
+        tag.fail("size", "three lengths above 0 [m]", "others");
       geom.shape = Shape::box(*size / 2);
     } else if (type == "sphere") {
       geom.shape = Shape::sphere(length(tag, "radius"));
@@ -179,7 +184,8 @@ class UrdfReader {
     const Vec3 scale = tag.vector("scale").value_or(Vec3{1, 1, 1});
     const std::string ending = std::filesystem::path(name).extension().string();
     if (ending == ".dae" || ending == ".DAE") {
-      report_.note(loss, tag.place(), "mesh" + inQuotes(name), "COLLADA is not read; make it an OBJ or STL file");
+      report_.note(loss, tag.place(), "mesh" + inQuotes(name),
+                   "COLLADA is not read; make it an OBJ or STL file");
       return false;
     }
     const std::filesystem::path file = packages_.find(name, tag.path("filename"));
@@ -201,7 +207,8 @@ class UrdfReader {
 
   void readJoint(pugi::xml_node node, Link& link, int index) {
     const Tag tag(source_, node);
-    const std::vector<std::string> types{"revolute", "continuous", "prismatic", "fixed", "floating", "planar"};
+    const std::vector<std::string> types{"revolute", "continuous", "prismatic",
+                                         "fixed",    "floating",   "planar"};
     tag.need("type");
     const std::string type = types[tag.choice("type", types, 0)];
     link.pose = originOf(node);
@@ -245,7 +252,8 @@ class UrdfReader {
     const Tag tag(source_, node);
     dof.drive.damping = tag.number("damping", 0);
     dof.friction = tag.number("friction", 0);
-    if (dof.drive.damping < 0) tag.fail("damping", "a number of at least 0", std::to_string(dof.drive.damping));
+    if (dof.drive.damping < 0)
+      tag.fail("damping", "a number of at least 0", std::to_string(dof.drive.damping));
     if (dof.friction < 0) tag.fail("friction", "a number of at least 0", std::to_string(dof.friction));
   }
 
@@ -263,8 +271,8 @@ class UrdfReader {
     const auto found = dofIndex_.find(other);
     if (found == dofIndex_.end()) tag.fail("joint", "the name of a joint that moves", "\"" + other + "\"");
     if (other == joint.name()) tag.fail("joint", "another joint", "itself");
-    model_.couplings.push_back({joint.name() + "_mimic", tag.place(), dofIndex_.at(joint.name()), found->second,
-                                tag.number("multiplier", 1), tag.number("offset", 0)});
+    model_.couplings.push_back({joint.name() + "_mimic", tag.place(), dofIndex_.at(joint.name()),
+                                found->second, tag.number("multiplier", 1), tag.number("offset", 0)});
   }
 
   Source& source_;
@@ -307,7 +315,8 @@ void readSrdf(Source& source, const std::string& file, Model& model, Report& rep
   robot.name();
   const auto linkOf = [&](const Tag& tag, const char* key) {
     const std::string name = tag.need(key);
-    const auto found = std::find_if(model.links.begin(), model.links.end(), [&](const Link& link) { return link.name == name; });
+    const auto found = std::find_if(model.links.begin(), model.links.end(),
+                                    [&](const Link& link) { return link.name == name; });
     if (found == model.links.end()) tag.fail(key, "the name of a link", "\"" + name + "\"");
     return static_cast<int>(found - model.links.begin());
   };

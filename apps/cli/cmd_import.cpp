@@ -41,7 +41,8 @@ int import(const ImportCommand& command) {
     fmt::print(toStandardOutput ? stderr : stdout, "{}", convert::textOf(import.report, !command.quiet));
   if (!command.jsonFile.empty()) writeOutput(command.jsonFile, convert::jsonOf(import.report));
   if (refused) {
-    fmt::print(stderr, "rubble: {}: not imported, because --strict wants nothing lost and nothing approximate\n",
+    fmt::print(stderr,
+               "rubble: {}: not imported, because --strict wants nothing lost and nothing approximate\n",
                command.job.scene);
     return kBadInput;
   }
@@ -61,10 +62,13 @@ int import(const ImportCommand&) {
 
 void addImport(CLI::App& app, int& status) {
   auto command = std::make_shared<ImportCommand>();
-  CLI::App* sub = app.add_subcommand("import", "Make a scene of a robot model (MJCF, URDF), and report what is in it");
+  CLI::App* sub = app.add_subcommand("import",
+                                     "Make a scene of a robot model (MJCF, URDF), and report what is in it");
   sub->add_option("file", command->job.scene, "A model: MJCF (.xml) or URDF (.urdf)")->required();
-  sub->add_option("-o,--output", command->sceneFile, "Write the scene; '-' is standard output")->type_name("FILE");
-  sub->add_option("--json", command->jsonFile, "Write the report as JSON; '-' is standard output")->type_name("FILE");
+  sub->add_option("-o,--output", command->sceneFile, "Write the scene; '-' is standard output")
+      ->type_name("FILE");
+  sub->add_option("--json", command->jsonFile, "Write the report as JSON; '-' is standard output")
+      ->type_name("FILE");
   sub->add_flag("--run", command->run, "Run the scene as 'rubble run' does");
   sub->add_flag("--view", command->view, "Open a window on it as 'rubble view' does");
   sub->add_flag("--strict", command->strict, "Refuse a model of which anything would be lost or approximate");
@@ -72,12 +76,15 @@ void addImport(CLI::App& app, int& status) {
   sub->add_option("--package", command->packages, "URDF: folder of a ROS package; may be repeated")
       ->type_name("NAME=PATH")
       ->allow_extra_args(false);
-  sub->add_option("--folder", command->folders, "A further folder that files may be read from; may be repeated")
+  sub->add_option("--folder", command->folders,
+                  "A further folder that files may be read from; may be repeated")
       ->type_name("PATH")
       ->allow_extra_args(false);
-  sub->add_option("--srdf", command->srdf, "URDF: an SRDF file with pairs that do not collide")->type_name("FILE");
+  sub->add_option("--srdf", command->srdf, "URDF: an SRDF file with pairs that do not collide")
+      ->type_name("FILE");
   sub->add_flag("--floating-base", command->floatingBase, "URDF: the root link moves freely");
-  sub->add_flag("-q,--quiet", command->quiet, "Report only what is lost or approximate, and only with --strict");
+  sub->add_flag("-q,--quiet", command->quiet,
+                "Report only what is lost or approximate, and only with --strict");
   addSolverOptions(*sub, command->job);
   addBackendOptions(*sub, command->job);
   sub->footer("Exit status: 0 imported, 2 the model is wrong or --strict refuses it.");

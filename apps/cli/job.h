@@ -14,7 +14,7 @@
 namespace rubble::cli {
 
 struct JobOptions {
-  std::string scene;                    ///< name in the registry, or path of a scene file
+  std::string scene;  ///< name in the registry, or path of a scene file
   /// The scene, in place of the one that `scene` names.
   std::shared_ptr<const io::SceneFile> file = nullptr;
   std::vector<std::string> arguments;   ///< "name=value"
