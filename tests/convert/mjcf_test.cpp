@@ -209,7 +209,9 @@ TEST(Mjcf, IncludedFilesStandInPlaceOfTheirElement) {
       folder.write("main.xml", mjcf("<include file='parts/part.xml'/>")));
   EXPECT_EQ(model.file.scene.bodies.at(0).name, "b");
   for (const convert::Note& note : model.report.notes)
-    if (note.what == "geom.shade") EXPECT_EQ(note.place.text(), "part.xml:2");
+    if (note.what == "geom.shade") {
+      EXPECT_EQ(note.place.text(), "part.xml:2");
+    }
 }
 
 }  // namespace

@@ -83,8 +83,6 @@ TEST(Urdf, PackagesAreFoundUpwardOrByOption) {
   const test::ModelFolder folder;
   folder.write("robot_meshes/tetra.obj", tetra);
   EXPECT_EQ(convert::importModel(folder.write("urdf/deep/r.urdf", text)).file.scene.bodies.size(), 1u);
-  const test::ModelFolder other;
-  std::filesystem::remove_all(other.path());
   folder.write("elsewhere/tetra.obj", tetra);
   folder.write("urdf/deep/s.urdf", std::string(text).replace(text.find("robot_meshes"), 12, "named"));
   ImportOptions options;
