@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <rubble/error.h>
 
 #include "convert/assemble.h"
+#include "convert/names.h"
 #include "cook/shape_traits.h"
 
 namespace rubble::convert {
@@ -12,19 +12,6 @@ namespace {
 
 /// Relative difference below which mass properties are those of a shape [1].
 constexpr double kSame = 1e-12;
-
-/// Names of bodies, each once.
-class Names {
- public:
-  std::string unique(const std::string& wanted) {
-    std::string name = wanted;
-    for (int k = 2; !taken_.insert(name).second; ++k) name = wanted + "_" + std::to_string(k);
-    return name;
-  }
-
- private:
-  std::set<std::string> taken_;
-};
 
 bool sameMass(const MassProperties& a, const MassProperties& b) {
   if (std::fabs(a.mass - b.mass) > kSame * b.mass) return false;

@@ -2,6 +2,7 @@
 /// of a class holds the classes that it collides with by the rule of the model. This is exact for up to 32
 /// classes.
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "convert/assemble.h"
@@ -21,32 +22,32 @@ bool collide(const Class& a, const Class& b) {
 }
 
 void addLayers(const Layout& layout, Scene& scene, Report& report) {
-  std::vector<Class> classes;
-  std::vector<std::size_t> classOf(scene.bodies.size());
+  std::map<Class, std::uint32_t> layerOf;
   bool mixed = false;
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    const Class own(layout.contactsOf[i].begin(), layout.contactsOf[i].end());
+  for (const std::vector<Contact>& contacts : layout.contactsOf) {
+    const Class own(contacts.begin(), contacts.end());
     mixed = mixed || own.size() > 1;
-    const auto found = std::find(classes.begin(), classes.end(), own);
-    classOf[i] = static_cast<std::size_t>(found - classes.begin());
-    if (found == classes.end() && !own.empty()) classes.push_back(own);
+    if (!own.empty()) layerOf.try_emplace(own, static_cast<std::uint32_t>(layerOf.size()));
   }
   const Place place{report.file, 1};
   if (mixed)
     report.note(Effect::Approximate, place, "contype, conaffinity",
                 "a body collides with all of its geoms if it does with one of them");
-  if (classes.size() > kLayers) {
+  if (layerOf.size() > kLayers) {
     report.note(Effect::Lost, place, "contype, conaffinity",
-                "more than 32 combinations; the others collide with everything");
+                "more than 32 combinations: all bodies collide with one another");
     return;
   }
-  if (classes.empty() || (classes.size() == 1 && collide(classes[0], classes[0]))) return;
+  if (layerOf.empty()) return;
+  const Class& first = layerOf.begin()->first;
+  if (layerOf.size() == 1 && collide(first, first)) return;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const Class own(layout.contactsOf[i].begin(), layout.contactsOf[i].end());
+    if (own.empty()) continue;
     CollisionFilter& filter = scene.bodies[i].filter;
-    if (layout.contactsOf[i].empty()) continue;
-    filter.layers = 1u << classOf[i], filter.mask = 0;
-    for (std::size_t k = 0; k < classes.size(); ++k)
-      if (collide(classes[classOf[i]], classes[k])) filter.mask |= 1u << k;
+    filter.layers = 1u << layerOf.at(own), filter.mask = 0;
+    for (const auto& [other, layer] : layerOf)
+      if (collide(own, other)) filter.mask |= 1u << layer;
   }
 }
 

@@ -1,7 +1,5 @@
-#include <cmath>
-#include <set>
-
 #include "convert/assemble.h"
+#include "convert/names.h"
 
 namespace rubble::convert {
 namespace {
@@ -26,18 +24,12 @@ class JointBuilder {
   }
 
  private:
-  std::string unique(const std::string& wanted) {
-    std::string name = wanted;
-    for (int k = 2; !names_.insert(name).second; ++k) name = wanted + "_" + std::to_string(k);
-    return name;
-  }
-
   void addTree(std::size_t i) {
     const Link& link = model_.links[i];
     auto [joint, childIsA] = jointOf(link, poseInBody(layout_, link.parent) * link.pose, report_);
     const int child = bodyIndex(layout_, static_cast<int>(i)), parent = bodyIndex(layout_, link.parent);
     joint.bodyA = childIsA ? child : parent, joint.bodyB = childIsA ? parent : child;
-    joint.name = unique(nameOf(link));
+    joint.name = names_.unique(nameOf(link));
     joint.collide = model_.parentsCollide;
     jointOf_[i] = static_cast<int>(scene_.joints.size());
     for (const Dof& dof : link.dofs)
@@ -61,7 +53,7 @@ class JointBuilder {
     const Pose a = poseInBody(layout_, loop.linkA), b = poseInBody(layout_, loop.linkB);
     joint.anchorA = a * loop.anchorA, joint.anchorB = b * loop.anchorB;
     joint.orientationAtoB = normalize(b.q * loop.orientationAtoB * conjugate(a.q));
-    joint.name = unique(loop.name.empty() ? "loop" : loop.name);
+    joint.name = names_.unique(loop.name.empty() ? "loop" : loop.name);
     joint.collide = true;
     report_.converted(loop.place, what, keyword(joint.type) + inQuotes(joint.name));
     scene_.joints.push_back(std::move(joint));
@@ -90,7 +82,7 @@ class JointBuilder {
     if (coupling.offset != 0)
       report_.note(Effect::Approximate, coupling.place, what,
                    "a gear keeps the offset that its joints have at the beginning");
-    joint.name = unique(coupling.name.empty() ? "coupling" : coupling.name);
+    joint.name = names_.unique(coupling.name.empty() ? "coupling" : coupling.name);
     report_.converted(coupling.place, what, keyword(joint.type) + inQuotes(joint.name));
     scene_.joints.push_back(std::move(joint));
   }
@@ -100,7 +92,7 @@ class JointBuilder {
   Scene& scene_;
   Report& report_;
   std::vector<int> jointOf_;  ///< of each link: index of its joint
-  std::set<std::string> names_;
+  Names names_;
 };
 
 }  // namespace

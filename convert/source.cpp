@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 
 #include <rubble/error.h>
 
@@ -21,6 +22,24 @@ std::string lineAndColumn(const std::vector<std::ptrdiff_t>& lines, std::ptrdiff
   return std::to_string(line) + ":" + std::to_string(byte - *(after - 1) + 1);
 }
 
+/// First byte that is not part of a character in UTF-8, or npos.
+std::size_t firstInvalid(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  for (std::size_t i = 0; i < text.size();) {
+    const unsigned lead = byte(i);
+    const std::size_t more = lead < 0x80 ? 0 : lead < 0xe0 ? 1 : lead < 0xf0 ? 2 : 3;
+    if ((lead >= 0x80 && lead < 0xc2) || lead > 0xf4) return i;
+    // no overlong forms, no surrogates, nothing beyond U+10FFFF
+    const unsigned least = lead == 0xe0 ? 0xa0 : lead == 0xf0 ? 0x90 : 0x80;
+    const unsigned most = lead == 0xed ? 0x9f : lead == 0xf4 ? 0x8f : 0xbf;
+    if (more > 0 && (byte(i + 1) < least || byte(i + 1) > most)) return i;
+    for (std::size_t k = 2; k <= more; ++k)
+      if (byte(i + k) < 0x80 || byte(i + k) > 0xbf) return i;
+    i += more + 1;
+  }
+  return std::string_view::npos;
+}
+
 }  // namespace
 
 pugi::xml_node Source::parse(const std::string& text, const std::string& name) {
@@ -29,6 +48,9 @@ pugi::xml_node Source::parse(const std::string& text, const std::string& name) {
   file.lines.push_back(0);
   for (std::size_t i = 0; i < text.size(); ++i)
     if (text[i] == '\n') file.lines.push_back(static_cast<std::ptrdiff_t>(i) + 1);
+  if (const std::size_t at = firstInvalid(text); at != std::string_view::npos)
+    throw Error(name + ":" + lineAndColumn(file.lines, static_cast<std::ptrdiff_t>(at)), "text in UTF-8",
+                "a byte that is none");
   const pugi::xml_parse_result result = file.document.load_buffer(
       text.data(), text.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
   if (!result)

@@ -22,6 +22,12 @@ TEST(InvalidModel, MalformedXmlIsReportedWithLineAndColumn) {
   expectIn("expected", faultOf(""));
 }
 
+TEST(InvalidModel, TextIsUtf8) {
+  expectIn("model.xml:1:16: expected text in UTF-8", faultOf("<mujoco model='\xff'/>"));
+  EXPECT_NE(faultOf("<mujoco model='\xc3\xa9\xe2\x82\xac\xf0\x9f\xa4\x96'/>").find("worldbody"),
+            std::string::npos);
+}
+
 TEST(InvalidModel, DocumentTypesAreRefusedSoEntitiesCannotGrow) {
   expectIn("document type",
            faultOf("<!DOCTYPE m [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;&a;'>]><mujoco model='&b;'/>"));

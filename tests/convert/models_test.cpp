@@ -15,8 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kModels = fs::path(RUBBLE_SOURCE_DIR) / "tests/convert/models";
-const std::vector<std::string> kNames{"pendulum.xml",  "double_pendulum.xml", "fourbar.xml",   "arm.xml",
-                                      "quadruped.xml", "humanoid.xml",        "every_tag.xml", "arm.urdf"};
+const std::vector<std::string> kNames{
+    "pendulum.xml", "double_pendulum.xml", "fourbar.xml",  "two_hinges.xml", "reach.xml",
+    "arm.xml",      "quadruped.xml",       "humanoid.xml", "every_tag.xml",  "arm.urdf"};
 
 std::string contentOf(const fs::path& file) {
   std::ostringstream out;

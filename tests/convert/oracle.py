@@ -58,7 +58,8 @@ def simple_mass(shape, mass):
     cylinder, ball = np.pi * r * r * length, 4 / 3 * np.pi * r ** 3
     density, half = mass / (cylinder + ball), length / 2
     axial = density * (cylinder * r * r / 2 + ball * 0.4 * r * r)
-    across = density * (cylinder * (r * r / 4 + half * half / 3) + ball * (0.4 * r * r + half * half + 0.75 * half * r))
+    of_ends = ball * (0.4 * r * r + half * half + 0.75 * half * r)
+    across = density * (cylinder * (r * r / 4 + half * half / 3) + of_ends)
     return np.array([across, across, axial])
 
 
@@ -80,7 +81,7 @@ def compare_bodies(model, data, scene, name):
         if root != 0 and model.body_mocapid[root] < 0:
             roots.setdefault(root, []).append(body)
     bodies = {body["name"]: body for body in scene["bodies"]}
-    moving = [body for body in scene["bodies"] if body.get("motion", "dynamic") == "dynamic" and "mass" in body]
+    moving = [b for b in scene["bodies"] if b.get("motion", "dynamic") == "dynamic" and "mass" in b]
     theirs = sum(model.body_mass[body] for members in roots.values() for body in members)
     check(f"{name} total mass", sum(body["mass"] for body in moving), theirs, theirs)
     check(f"{name} number of bodies", len(moving), len(roots))
@@ -152,11 +153,12 @@ def compare_joints(model, data, scene, name):
             reference = model.qpos0[model.jnt_qposadr[index]]
             ends = [low, high] if sign > 0 else [-high, -low]
             check(f"{name} range: {label}", ends, model.jnt_range[index] - reference)
-        check(f"{name} friction: {label}", axis.get("friction", 0), model.dof_frictionloss[model.jnt_dofadr[index]])
+        dof = model.jnt_dofadr[index]
+        check(f"{name} friction: {label}", axis.get("friction", 0), model.dof_frictionloss[dof])
         if not any(model.actuator_trnid[i, 0] == index for i in range(model.nu)):
-            dof = model.jnt_dofadr[index]
-            check(f"{name} damping: {label}", axis.get("drive_damping", 0), np.ravel(model.dof_damping[dof])[0])
-            check(f"{name} stiffness: {label}", axis.get("drive_stiffness", 0), np.ravel(model.jnt_stiffness[index])[0])
+            damping, stiffness = np.ravel(model.dof_damping[dof])[0], np.ravel(model.jnt_stiffness[index])[0]
+            check(f"{name} damping: {label}", axis.get("drive_damping", 0), damping)
+            check(f"{name} stiffness: {label}", axis.get("drive_stiffness", 0), stiffness)
 
 
 def parts_of(body):
@@ -208,7 +210,8 @@ def compare(rubble, file, folder):
     if file.suffix == ".urdf":
         # MuJoCo finds meshes beside the file only
         text = file.read_text().replace("package://models/", "").replace("<robot", '<robot xmlns:m="x"', 1)
-        text = text.replace('<link name="base">', '<mujoco><compiler strippath="false"/></mujoco><link name="base">', 1)
+        settings = '<mujoco><compiler strippath="false"/></mujoco>'
+        text = text.replace('<link name="base">', settings + '<link name="base">', 1)
         copy = file.parent / "oracle_copy.urdf"
         copy.write_text(text)
         try:
@@ -234,7 +237,8 @@ def positions(rubble, scene, bodies, steps, dt, folder):
     scene["verdict"] = [{"metric": f"{body}.{axis}", "min": -1e9} for body in bodies for axis in axes]
     file = folder / "moment.json"
     file.write_text(json.dumps(scene))
-    record = json.loads(run(rubble, "run", file, "--backend", "reference", "--steps", steps, "--dt", dt, "-q", "--json", "-"))
+    record = json.loads(run(rubble, "run", file, "--backend", "reference", "--steps", steps, "--dt", dt,
+                            "-q", "--json", "-"))
     metrics = {claim["metric"]: claim["value"] for claim in record["verdict"]["claims"]}
     return np.array([[metrics[f"{body}.{axis}"] for axis in axes] for body in bodies])
 
@@ -270,6 +274,8 @@ def main():
         if not files:
             compare_motion(rubble, "pendulum", ["bob"], 1.0, folder)
             compare_motion(rubble, "double_pendulum", ["upper", "lower"], 0.9, folder)
+            compare_motion(rubble, "two_hinges", ["bob"], 0.7, folder)
+            compare_motion(rubble, "reach", ["bob", "tip"], 1.0, folder)
             compare_motion(rubble, "fourbar", ["crank", "coupler", "rocker"], 0.8, folder)
     for problem in problems:
         print("oracle:", problem)
