@@ -110,12 +110,12 @@ struct ShapeGeometry {
   std::vector<std::array<int, 3>> triangles;  ///< mesh
   bool twoSided = false;                      ///< mesh
   std::vector<ShapePartDef> parts;            ///< compound
-  /// Compound: in place of the mass properties of its parts at density 1. A body scales them to its mass.
-  std::optional<MassProperties> mass = {};
   std::array<int, 3> counts{};                ///< height field (x, y), distance field: samples
   Vec3 origin;                                ///< distance field: position of the first sample [m]
   Vec3 spacing{1, 1, 1};                      ///< height field (x, y), distance field: sample distance [m]
   std::vector<double> samples;                ///< heights or distances, x fastest [m]
+  /// Compound: in place of the mass properties of its parts at density 1. A body scales them to its mass.
+  std::optional<MassProperties> mass = {};
 };
 
 /// Collision filter, as in Box2D. Two bodies collide if each has a layer that the mask of the other contains.
