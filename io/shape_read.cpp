@@ -49,6 +49,18 @@ std::vector<double> readNumbers(ObjectReader& object, const char* key, const cha
   return out;
 }
 
+MassProperties readMassProperties(const Node& node) {
+  MassProperties out;
+  ObjectReader object(node, "mass properties");
+  if (const auto mass = object.need("mass", "a mass [kg]")) out.mass = mass->number(kPositive).value_or(1);
+  if (const auto inertia = object.need("inertia", "three principal moments [kg m2]"))
+    out.inertia = inertia->vector(kPositive, "a list of 3 numbers above 0").value_or(Vec3{1, 1, 1});
+  object.read("center", out.center);
+  if (const auto axes = object.get("axes")) out.axes = readOrientation(*axes);
+  object.finish();
+  return out;
+}
+
 template <std::size_t count>
 std::array<int, count> readCounts(const Node& node, int least, const char* what) {
   std::array<int, count> out;
@@ -102,7 +114,9 @@ Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
         part.finish();
         parts.push_back(std::move(def));
       }
-    out = Shape::compound(std::move(parts));
+    std::optional<MassProperties> mass;
+    if (const auto found = object.get("mass_properties")) mass = readMassProperties(*found);
+    out = Shape::compound(std::move(parts), mass);
   } else if (name == "mesh") {
     std::vector<Vec3> points = readPoints(object, "vertices");
     std::vector<std::array<int, 3>> triangles;

@@ -73,6 +73,13 @@ nlohmann::ordered_json shapeJson(const Shape& shape) {
         if (!sameBits(part.density, 1)) entry["density"] = part.density;
         json["parts"].push_back(std::move(entry));
       }
+      if (g.mass) {
+        const Quat& q = g.mass->axes;
+        json["mass_properties"] = {{"mass", g.mass->mass},
+                                   {"inertia", vectorJson(g.mass->inertia)},
+                                   {"center", vectorJson(g.mass->center)},
+                                   {"axes", {q.s, q.v.x, q.v.y, q.v.z}}};
+      }
       break;
     case ShapeType::Mesh:
       json["vertices"] = pointsJson(g.points);

@@ -38,13 +38,20 @@ int run(const RunOptions& options) {
 
 }  // namespace
 
+int runJob(const JobOptions& job) {
+  RunOptions options;
+  options.job = job;
+  return run(options);
+}
+
 void addRun(CLI::App& app, int& status) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run",
                                          "Run a scene, report times and quality, and judge its verdict");
   command
-      ->add_option("scene", options->job.scene,
-                   "Name of a scene (see 'rubble info scenes'), or a scene file (.json)")
+      ->add_option(
+          "scene", options->job.scene,
+          "Name of a scene (see 'rubble info scenes'), a scene file (.json) or a model (.xml, .urdf)")
       ->required();
   addArgumentOptions(*command, options->job);
   addSolverOptions(*command, options->job);

@@ -22,7 +22,7 @@ struct ViewCommand {
 #if defined(RUBBLE_HAS_VIEWER)
 /// The requested scene. Arguments of the command line apply only to the scene that they were given for.
 viewer::OpenedScene opened(JobOptions job, const viewer::Request& request) {
-  if (request.scene != job.scene) job.arguments.clear();
+  if (request.scene != job.scene) job.arguments.clear(), job.file.reset();
   job.scene = request.scene;
   for (const auto& [name, value] : request.arguments) {
     const std::string setting = name + "=";
@@ -77,11 +77,17 @@ int view(const ViewCommand&) {
 
 }  // namespace
 
+int viewJob(const JobOptions& job) {
+  ViewCommand command;
+  command.job = job;
+  return view(command);
+}
+
 void addView(CLI::App& app, int& status) {
   auto command = std::make_shared<ViewCommand>();
   CLI::App* sub = app.add_subcommand("view", "Open a window on a running scene; ? shows the keys");
   sub->add_option("scene", command->job.scene,
-                  "Name of a scene, a scene file (.json) or a trajectory (.rubble)")
+                  "Name of a scene, a scene file (.json) a model (.xml, .urdf) or a trajectory (.rubble)")
       ->required();
   sub->add_option("--size", command->size, "Size of the window in pixels")
       ->type_name("WxH")

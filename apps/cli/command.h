@@ -11,11 +11,17 @@ enum Status : int {
   kBadInput = 2,     ///< the input or the command line is wrong
 };
 
+struct JobOptions;
+/// What `rubble run` and `rubble view` do with a job; the exit status.
+int runJob(const JobOptions& job);
+int viewJob(const JobOptions& job);
+
 void addRun(CLI::App& app, int& status);
 void addBench(CLI::App& app, int& status);
 void addCheck(CLI::App& app, int& status);
 void addCompare(CLI::App& app, int& status);
 void addDemo(CLI::App& app, int& status);
+void addImport(CLI::App& app, int& status);
 void addInfo(CLI::App& app, int& status);
 void addPicture(CLI::App& app, int& status);
 void addSoak(CLI::App& app, int& status);

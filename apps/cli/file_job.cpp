@@ -11,6 +11,10 @@
 #include "apps/cli/job.h"
 #include "scenes/probes.h"
 
+#if defined(RUBBLE_HAS_CONVERT)
+#include "convert/import.h"
+#endif
+
 namespace rubble::cli {
 namespace {
 
@@ -67,10 +71,27 @@ std::vector<io::Fault> worldFaults(const Scene& scene) {
   return faults;
 }
 
+#if defined(RUBBLE_HAS_CONVERT)
+io::SceneFile importScene(const std::string& file) {
+  convert::Import import = convert::importModel(file);
+  fmt::print(stderr, "{}", convert::textOf(import.report, false));
+  return std::move(import.file);
+}
+#else
+io::SceneFile importScene(const std::string& file) {
+  throw Error(file, "a build with pugixml (Debian: apt-get install libpugixml-dev)", "one without");
+}
+#endif
+
 scenes::Job loadFileJob(const std::string& file) {
+  if (isModelFile(file)) return jobOf(importScene(file));
   io::SceneFile scene;
   const std::vector<io::Fault> faults = checkFile(file, scene);
   if (!faults.empty()) throw Error(io::faultText(file, faults));
+  return jobOf(std::move(scene));
+}
+
+scenes::Job jobOf(io::SceneFile scene) {
   scenes::Job job;
   for (const io::FileClaim& claim : scene.claims)
     job.claims.push_back({claim.metric, claim.min, claim.max, claim.why});

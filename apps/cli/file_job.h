@@ -11,6 +11,13 @@ namespace rubble::cli {
 /// Throws Error with every fault of the file.
 scenes::Job loadFileJob(const std::string& file);
 
+/// A job from a scene that was read already.
+scenes::Job jobOf(io::SceneFile scene);
+
+/// The scene of a model file (docs/importing.md). What the import lost or approximated goes to standard
+/// error. Throws Error if the model is invalid or this build cannot import.
+io::SceneFile importScene(const std::string& file);
+
 /// Every fault of a scene file, its text and its verdict. Throws Error if the file cannot be read at all.
 std::vector<io::Fault> checkFile(const std::string& file, io::SceneFile& scene);
 

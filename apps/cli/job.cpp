@@ -127,7 +127,14 @@ std::pair<std::string, double> parseAssignment(const std::string& text, const st
   return {name, number};
 }
 
-bool isSceneFile(const std::string& scene) { return std::filesystem::path(scene).extension() == ".json"; }
+bool isModelFile(const std::string& scene) {
+  const std::string ending = std::filesystem::path(scene).extension().string();
+  return ending == ".xml" || ending == ".mjcf" || ending == ".urdf" || ending == ".xacro";
+}
+
+bool isSceneFile(const std::string& scene) {
+  return std::filesystem::path(scene).extension() == ".json" || isModelFile(scene);
+}
 
 scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& arguments) {
   if (isSceneFile(scene)) {
@@ -148,7 +155,7 @@ PreparedJob prepareJob(const JobOptions& options) {
   prepared.title = options.arguments.empty()
                        ? options.scene
                        : fmt::format("{} {}", options.scene, fmt::join(options.arguments, " "));
-  prepared.job = loadJob(options.scene, options.arguments);
+  prepared.job = options.file ? jobOf(*options.file) : loadJob(options.scene, options.arguments);
   prepared.world.backend = backend;
   prepared.world.threads = options.threads;
   prepared.world.params = paramsOf(options, prepared.job);

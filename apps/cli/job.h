@@ -1,18 +1,22 @@
 #pragma once
 /// From command-line arguments to a job that is ready to run. All subcommands that run a scene share these
 /// options.
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "io/scene_json.h"
 #include "scenes/registry.h"
 
 namespace rubble::cli {
 
 struct JobOptions {
-  std::string scene;                    ///< name in the registry, or path of a scene file
+  std::string scene;  ///< name in the registry, or path of a scene file
+  /// The scene, in place of the one that `scene` names.
+  std::shared_ptr<const io::SceneFile> file = nullptr;
   std::vector<std::string> arguments;   ///< "name=value"
   std::vector<std::string> parameters;  ///< "name=value", of rubble::paramFields()
   std::optional<int> steps, iterations, substeps;
@@ -57,6 +61,9 @@ scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& ar
 /// A camera that shows everything that the scene holds or will hold, along `direction` (zero: a usual one),
 /// with room for rubble if it is smashed.
 scenes::Camera cameraShowing(const Scene& scene, const Vec3& direction, bool smashed);
+
+/// Does this name a model that has to be imported (.xml, .mjcf, .urdf, .xacro)?
+bool isModelFile(const std::string& scene);
 
 /// Does this name a file rather than a scene of the registry?
 bool isSceneFile(const std::string& scene);

@@ -56,6 +56,7 @@ int runProgram(int argc, char** argv) {
   addCheck(app, status);
   addCompare(app, status);
   addDemo(app, status);
+  addImport(app, status);
   addInfo(app, status);
   addPicture(app, status);
   addSoak(app, status);

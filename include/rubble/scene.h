@@ -42,6 +42,14 @@ ShapeType shapeType(const std::string& keyword);
 struct ShapeGeometry;
 struct ShapePartDef;
 
+/// Mass [kg] and principal moments of inertia [kg m2] about the center of mass.
+struct MassProperties {
+  double mass = 0;
+  Vec3 inertia;  ///< principal moments
+  Vec3 center;   ///< center of mass, in the shape frame [m]
+  Quat axes;     ///< principal axes -> shape frame
+};
+
 /// A collision shape in its authored frame. Body poses, joint anchors and surface triangles refer to that
 /// frame. MassProperties gives the center of mass in it. docs/shapes.md has a picture of each.
 struct Shape {
@@ -73,8 +81,8 @@ struct Shape {
   static Shape cone(double radius, double halfLength) { return {ShapeType::Cone, {}, radius, halfLength}; }
   /// Convex hull of points that do not lie in one plane.
   static Shape hull(std::vector<Vec3> points, double rounding = 0);
-  /// Compound of convex shapes (no planes).
-  static Shape compound(std::vector<ShapePartDef> parts);
+  /// Compound of convex shapes (no planes). `mass`: its mass properties, in place of those of the parts.
+  static Shape compound(std::vector<ShapePartDef> parts, const std::optional<MassProperties>& mass = {});
   /// Triangle mesh, counter-clockwise seen from outside. Static and kinematic bodies only. A one-sided mesh
   /// has contacts on its outside, a two-sided mesh on both sides.
   static Shape mesh(std::vector<Vec3> vertices, std::vector<std::array<int, 3>> triangles,
@@ -107,6 +115,8 @@ struct ShapeGeometry {
   Vec3 origin;                                ///< distance field: position of the first sample [m]
   Vec3 spacing{1, 1, 1};                      ///< height field (x, y), distance field: sample distance [m]
   std::vector<double> samples;                ///< heights or distances, x fastest [m]
+  /// Compound: in place of the mass properties of its parts at density 1. A body scales them to its mass.
+  std::optional<MassProperties> mass = {};
 };
 
 /// Collision filter, as in Box2D. Two bodies collide if each has a layer that the mask of the other contains.
@@ -284,13 +294,6 @@ struct Scene {
   std::vector<Event> events;
 };
 
-/// Mass [kg] and principal moments of inertia [kg m2] about the center of mass.
-struct MassProperties {
-  double mass = 0;
-  Vec3 inertia;  ///< principal moments
-  Vec3 center;   ///< center of mass, in the shape frame [m]
-  Quat axes;     ///< principal axes -> shape frame
-};
 /// Exact for polyhedra and for shapes without `rounding`. The surface of a rounded hull or cylinder is
 /// triangulated (relative error 2e-3). A distance field sums the cells inside. Planes, meshes and height
 /// fields have no mass.

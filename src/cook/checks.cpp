@@ -41,6 +41,12 @@ void notNegativeOrInfinite(double a, const Path& path) {
   if (!(a >= 0)) throw Error(path, "a number of at least 0 or infinity", text(a));
 }
 
+void moments(const Vec3& a, const Path& path) {
+  for (int k = 0; k < 3; ++k) positive(a[k], path);
+  constexpr double kRoundOff = 1 + 1e-9;
+  if (a.x > (a.y + a.z) * kRoundOff || a.y > (a.z + a.x) * kRoundOff || a.z > (a.x + a.y) * kRoundOff)
+    throw Error(path, "moments none of which is above the sum of the others", text(a));
+}
 void unit(const Quat& q, const Path& path) {
   const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
   if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));

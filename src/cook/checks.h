@@ -26,6 +26,8 @@ void notNegative(double a, const Path& path);
 /// For stiffnesses and thresholds, where infinity is allowed.
 void positiveOrInfinite(double a, const Path& path);
 void notNegativeOrInfinite(double a, const Path& path);
+/// Principal moments: positive, none above the sum of the others.
+void moments(const Vec3& a, const Path& path);
 /// Unit length.
 void unit(const Quat& q, const Path& path);
 /// A length that is safe to normalize.
@@ -35,7 +37,7 @@ void material(const Material& m, const Path& path);
 void field(const FieldInfo& info, double value, const Path& path);
 void field(const FieldInfo& info, const Vec3& value, const Path& path);
 void field(const FieldInfo& info, const Quat& value, const Path& path);
-inline void field(const FieldInfo&, bool, const std::string&) {}
+inline void field(const FieldInfo&, bool, const Path&) {}
 
 [[noreturn]] void failEnumeration(long long value, long long last, const Path& path);
 /// An enumerator from 0 to `last`.

@@ -76,6 +76,10 @@ void addCompound(CookedShape& out, const Shape& shape, const Path& path) {
     sums += placed(sumsOf(part.unit), parts[i].position, normalize(parts[i].orientation), parts[i].density);
   }
   out.unit = principal(sums);
+  if (shape.geometry->mass) {
+    out.unit = *shape.geometry->mass;
+    out.unit.axes = normalize(out.unit.axes);
+  }
   const int header = beginHeader(out, 4);
   out.indices[static_cast<std::size_t>(header) + 2] = 0;
   out.indices[static_cast<std::size_t>(header) + 3] = static_cast<int>(parts.size());

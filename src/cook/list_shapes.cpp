@@ -67,6 +67,16 @@ void checkParts(const ShapeGeometry& g, const Path& path) {
   }
 }
 
+void checkCompound(const ShapeGeometry& g, const Path& path) {
+  checkParts(g, path + ".parts");
+  if (!g.mass) return;
+  const Path where = path + ".mass_properties";
+  positive(g.mass->mass, where + ".mass");
+  moments(g.mass->inertia, where + ".inertia");
+  finite(g.mass->center, where + ".center");
+  unit(g.mass->axes, where + ".axes");
+}
+
 const ShapeGeometry& geometryOf(const Shape& s) {
   static const ShapeGeometry none;
   return s.geometry ? *s.geometry : none;
@@ -120,7 +130,7 @@ ShapeTraits compound() {
           "convex shapes that move as one",
           false,
           {},
-          [](const Shape& s, const Path& path) { checkParts(geometryOf(s), path + ".parts"); },
+          [](const Shape& s, const Path& path) { checkCompound(geometryOf(s), path); },
           cooking::addCompound,
           cookedMass,
           nullptr};

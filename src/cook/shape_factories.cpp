@@ -16,9 +16,10 @@ Shape Shape::hull(std::vector<Vec3> points, double rounding) {
   return withGeometry(ShapeType::Hull, std::move(g), rounding);
 }
 
-Shape Shape::compound(std::vector<ShapePartDef> parts) {
+Shape Shape::compound(std::vector<ShapePartDef> parts, const std::optional<MassProperties>& mass) {
   ShapeGeometry g;
   g.parts = std::move(parts);
+  g.mass = mass;
   return withGeometry(ShapeType::Compound, std::move(g));
 }
 

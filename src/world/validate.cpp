@@ -50,13 +50,7 @@ void validate(const BodyDef& body, const Path& path) {
       positive(*body.mass, path + ".mass");
     else
       positive(body.density, path + ".density");
-    if (body.inertia) {
-      const Vec3& i = *body.inertia;
-      for (int k = 0; k < 3; ++k) positive(i[k], path + ".inertia");
-      constexpr double kRoundOff = 1 + 1e-9;
-      if (i.x > (i.y + i.z) * kRoundOff || i.y > (i.z + i.x) * kRoundOff || i.z > (i.x + i.y) * kRoundOff)
-        throw Error(path + ".inertia", "moments none of which is above the sum of the others", text(i));
-    }
+    if (body.inertia) moments(*body.inertia, path + ".inertia");
   }
   finite(body.position, path + ".position");
   unit(body.orientation, path + ".orientation");

@@ -130,6 +130,19 @@ TEST(MassProperties, OfACompoundAreThoseOfTheWhole) {
   EXPECT_TRUE(sameTensor(tensor(a), tensor(b), 1e-12));
 }
 
+TEST(MassProperties, OfACompoundMayBeGiven) {
+  const Quat turn = fromAxisAngle(Vec3{0, 0, 1}, .3);
+  const MassProperties given{2, {.1, .2, .25}, {.3, -.1, .5}, turn};
+  const MassProperties own = massProperties(Shape::compound({{Shape::sphere(.1), {}, {}}}, given), 3);
+  EXPECT_NEAR(own.mass, 6, 1e-12);
+  EXPECT_TRUE(near(own.center, given.center, 1e-12));
+  EXPECT_TRUE(near(own.inertia, 3 * given.inertia, 1e-12));
+  EXPECT_NEAR(dot(own.axes.v, turn.v) + own.axes.s * turn.s, 1, 1e-12);
+  MassProperties wrong = given;
+  wrong.inertia = {1, 1, 3};
+  EXPECT_THROW(validate(Shape::compound({{Shape::sphere(.1), {}, {}}}, wrong), "shape"), Error);
+}
+
 TEST(MassProperties, OfADistanceFieldAgreeWithTheSolid) {
   const int n = 25;
   const double spacing = .1;

@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include "apps/cli/command.h"
+#include "apps/cli/job.h"
+#include "apps/cli/output.h"
+
+#if defined(RUBBLE_HAS_CONVERT)
+#include "convert/import.h"
+#endif
+
+namespace rubble::cli {
+namespace {
+
+struct ImportCommand {
+  JobOptions job;
+  std::string sceneFile, jsonFile, key, srdf;
+  std::vector<std::string> packages, folders;
+  bool floatingBase = false, strict = false, quiet = false, run = false, view = false;
+};
+
+#if defined(RUBBLE_HAS_CONVERT)
+convert::ImportOptions optionsOf(const ImportCommand& command) {
+  convert::ImportOptions options;
+  for (const std::string& text : command.packages) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) throw Error("--package", "NAME=PATH", text);
+    options.packages[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  options.folders = command.folders;
+  options.key = command.key;
+  options.srdf = command.srdf;
+  options.floatingBase = command.floatingBase;
+  return options;
+}
+
+int import(const ImportCommand& command) {
+  convert::Import import = convert::importModel(command.job.scene, optionsOf(command));
+  const bool refused = command.strict && !import.report.exact();
+  const bool toStandardOutput = command.jsonFile == "-" || command.sceneFile == "-";
+  if (!command.quiet || refused)
+    fmt::print(toStandardOutput ? stderr : stdout, "{}", convert::textOf(import.report, !command.quiet));
+  if (!command.jsonFile.empty()) writeOutput(command.jsonFile, convert::jsonOf(import.report));
+  if (refused) {
+    fmt::print(stderr,
+               "rubble: {}: not imported, because --strict wants nothing lost and nothing approximate\n",
+               command.job.scene);
+    return kBadInput;
+  }
+  if (!command.sceneFile.empty()) writeOutput(command.sceneFile, io::toJson(import.file));
+  JobOptions job = command.job;
+  job.file = std::make_shared<const io::SceneFile>(std::move(import.file));
+  if (command.view) return viewJob(job);
+  return command.run ? runJob(job) : kHolds;
+}
+#else
+int import(const ImportCommand&) {
+  throw Error("import", "a build with pugixml (Debian: apt-get install libpugixml-dev)", "one without");
+}
+#endif
+
+}  // namespace
+
+void addImport(CLI::App& app, int& status) {
+  auto command = std::make_shared<ImportCommand>();
+  CLI::App* sub = app.add_subcommand("import",
+                                     "Make a scene of a robot model (MJCF, URDF), and report what is in it");
+  sub->add_option("file", command->job.scene, "A model: MJCF (.xml) or URDF (.urdf)")->required();
+  sub->add_option("-o,--output", command->sceneFile, "Write the scene; '-' is standard output")
+      ->type_name("FILE");
+  sub->add_option("--json", command->jsonFile, "Write the report as JSON; '-' is standard output")
+      ->type_name("FILE");
+  sub->add_flag("--run", command->run, "Run the scene as 'rubble run' does");
+  sub->add_flag("--view", command->view, "Open a window on it as 'rubble view' does");
+  sub->add_flag("--strict", command->strict, "Refuse a model of which anything would be lost or approximate");
+  sub->add_option("--key", command->key, "MJCF: keyframe to start in, by name or index")->type_name("NAME");
+  sub->add_option("--package", command->packages, "URDF: folder of a ROS package; may be repeated")
+      ->type_name("NAME=PATH")
+      ->allow_extra_args(false);
+  sub->add_option("--folder", command->folders,
+                  "A further folder that files may be read from; may be repeated")
+      ->type_name("PATH")
+      ->allow_extra_args(false);
+  sub->add_option("--srdf", command->srdf, "URDF: an SRDF file with pairs that do not collide")
+      ->type_name("FILE");
+  sub->add_flag("--floating-base", command->floatingBase, "URDF: the root link moves freely");
+  sub->add_flag("-q,--quiet", command->quiet,
+                "Report only what is lost or approximate, and only with --strict");
+  addSolverOptions(*sub, command->job);
+  addBackendOptions(*sub, command->job);
+  sub->footer("Exit status: 0 imported, 2 the model is wrong or --strict refuses it.");
+  sub->callback([command, &status] { status = import(*command); });
+}
+
+}  // namespace rubble::cli

@@ -1,0 +1,253 @@
+/// One joint of all degrees of freedom of a link. Slides and hinges of one body become a six_dof joint: with
+/// R = R_z(q1) R_x(q2) the swing about z is q1 and the twist about x is q2, so two orthogonal hinges are
+/// exact.
+#include <algorithm>
+#include <cmath>
+
+#include "convert/assemble.h"
+#include "convert/rotations.h"
+
+namespace rubble::convert {
+namespace {
+
+/// Cosine below which directions are orthogonal, and distance below which axes meet [1, m].
+constexpr double kAligned = 1e-6;
+
+/// Limits, drive and friction of a degree of freedom. `sign`: of its coordinate.
+JointAxis axisOf(const Dof& dof, double sign) {
+  JointAxis axis;
+  if (dof.range) {
+    axis.min = (*dof.range)[0] - dof.reference, axis.max = (*dof.range)[1] - dof.reference;
+    if (sign < 0) {
+      const double most = -axis.min;
+      axis.min = -axis.max, axis.max = most;
+    }
+  }
+  const DofDrive& drive = dof.drive;
+  axis.driveStiffness = drive.stiffness, axis.driveDamping = drive.damping;
+  if (drive.stiffness > 0)
+    axis.targetPosition = sign * (drive.stiffnessTarget / drive.stiffness - dof.reference);
+  if (drive.damping > 0) axis.targetSpeed = sign * drive.dampingSpeed / drive.damping;
+  axis.maxDriveForce = drive.maxForce;
+  axis.friction = dof.friction;
+  return axis;
+}
+
+JointAxis locked() {
+  JointAxis axis;
+  axis.min = axis.max = 0;
+  return axis;
+}
+
+JointDef ballOf(const Dof& dof, Report& report) {
+  JointDef joint;
+  joint.friction = dof.friction;
+  const DofDrive& drive = dof.drive;
+  if (!dof.range && !(drive.stiffness > 0) && !(drive.damping > 0)) {
+    joint.type = JointType::Ball;
+    return joint;
+  }
+  joint.type = JointType::SwingTwist;
+  joint.driveStiffness = drive.stiffness, joint.driveDamping = drive.damping;
+  joint.maxDriveTorque = drive.maxForce;
+  if (dof.range) {
+    constexpr double kNarrowest = 1e-3;
+    const double most = std::max((*dof.range)[1], kNarrowest);
+    joint.swingY = joint.swingZ = most;
+    joint.axes[1].min = -most, joint.axes[1].max = most;
+    report.note(Effect::Approximate, dof.place, "joint.range",
+                "the limit of the angle of a ball joint becomes limits of its swing and of its twist");
+  }
+  return joint;
+}
+
+/// Builds the six_dof joint of several degrees of freedom.
+class SixDof {
+ public:
+  SixDof(const Link& link, Report& report) : link_(link), report_(report) {
+    for (const Dof& dof : link.dofs) (dof.type == DofType::Slide ? slides_ : turns_).push_back(&dof);
+    const bool slidesFirst = isOrdered(DofType::Slide, true), turnsFirst = isOrdered(DofType::Slide, false);
+    // Axes of travel are those of B. Slides that come after the hinges move with the child: then B is the
+    // child.
+    swapped = !slidesFirst && turnsFirst;
+    if (!slidesFirst && !turnsFirst)
+      note(Effect::Approximate, "slides between hinges act as if they came first");
+    if (swapped) std::reverse(turns_.begin(), turns_.end());
+    sign_ = swapped ? -1 : 1;
+  }
+
+  JointDef build() {
+    joint_.type = JointType::SixDof;
+    joint_.axes.fill(locked());
+    const bool ball = std::any_of(turns_.begin(), turns_.end(),
+                                  [](auto* d) { return d->type == DofType::Ball; });
+    if (ball)
+      addBall();
+    else
+      addHinges();
+    addSlides();
+    anchor = commonAnchor();
+    frame = quatOfAxes(x_, y_, z_);
+    return joint_;
+  }
+
+  bool swapped = false;
+  Vec3 anchor;  ///< in the frame of the link [m]
+  Quat frame;   ///< joint -> link
+
+ private:
+  bool isOrdered(DofType first, bool isFirst) const {
+    bool other = false;
+    for (const Dof& dof : link_.dofs) {
+      const bool match = (dof.type == first) == isFirst;
+      if (match && other) return false;
+      other = other || !match;
+    }
+    return true;
+  }
+  void note(Effect effect, const std::string& why) {
+    report_.note(effect, link_.dofs.front().place, "joints of body" + inQuotes(link_.name), why);
+  }
+
+  /// z from a wish, orthogonal to x; false if it is parallel.
+  bool chooseZ(const Vec3& wish) {
+    const Vec3 across = wish - dot(wish, x_) * x_;
+    if (length(across) < kAligned) return false;
+    z_ = normalize(across), y_ = cross(z_, x_);
+    return true;
+  }
+  void chooseAnyZ() {
+    for (const Dof* slide : slides_)
+      if (std::fabs(dot(slide->axis, x_)) < 1 - kAligned && chooseZ(slide->axis)) return;
+    if (!chooseZ({0, 0, 1})) chooseZ({1, 0, 0});
+  }
+
+  void addBall() {
+    x_ = {1, 0, 0}, y_ = {0, 1, 0}, z_ = {0, 0, 1};
+    for (std::size_t i = 3; i < 6; ++i) joint_.axes[i] = {};
+    const Dof& dof = *turns_.front();
+    if (turns_.size() > 1) note(Effect::Lost, "hinges beside a ball joint add no freedom and are left out");
+    if (dof.range || dof.drive.stiffness > 0 || dof.drive.damping > 0 || dof.friction > 0)
+      report_.note(Effect::Lost, dof.place, "joint" + inQuotes(dof.name),
+                   "limit, spring, damping and friction of a ball joint beside slides");
+  }
+
+  void addHinges() {
+    if (turns_.size() > 3) {
+      note(Effect::Lost, "a body turns about at most three axes; the others are left out");
+      turns_.resize(3);
+    }
+    const std::size_t count = turns_.size();
+    if (count == 0) {
+      x_ = slides_.front()->axis;
+      chooseAnyZ();
+      return;
+    }
+    x_ = turns_.back()->axis;
+    joint_.axes[3] = axisOf(*turns_.back(), sign_);
+    if (count == 1) {
+      chooseAnyZ();
+      return;
+    }
+    const Dof& outer = *turns_.front();
+    if (!chooseZ(outer.axis)) {
+      note(Effect::Lost, "two hinges about one axis are one");
+      chooseAnyZ();
+      return;
+    }
+    joint_.axes[5] = axisOf(outer, sign_);
+    bool orthogonal = std::fabs(dot(outer.axis, x_)) < kAligned;
+    if (count == 3) {
+      const Dof& middle = *turns_[1];
+      const double along = dot(middle.axis, y_);
+      joint_.axes[4] = axisOf(middle, along < 0 ? -sign_ : sign_);
+      orthogonal = orthogonal && std::fabs(along) > 1 - kAligned;
+      const bool plain = std::all_of(turns_.begin(), turns_.end(), [](const Dof* dof) {
+        return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) &&
+               !(dof->friction > 0);
+      });
+      if (!plain)
+        note(Effect::Approximate,
+             "limits, drives and friction of three hinges act on swing and twist, which are the angles of "
+             "the hinges "
+             "while the other two are small");
+    }
+    if (!orthogonal) note(Effect::Approximate, "axes of hinges that are not orthogonal are made so");
+  }
+
+  void addSlides() {
+    const Vec3 axes[3] = {x_, y_, z_};
+    bool used[3] = {};
+    for (const Dof* slide : slides_) {
+      int best = -1;
+      for (int k = 0; k < 3; ++k)
+        if (!used[k] &&
+            (best < 0 || std::fabs(dot(slide->axis, axes[k])) > std::fabs(dot(slide->axis, axes[best]))))
+          best = k;
+      if (best < 0 || std::fabs(dot(slide->axis, axes[best])) < kAligned) {
+        report_.note(Effect::Lost, slide->place, "joint" + inQuotes(slide->name),
+                     "a further slide along the same axis");
+        continue;
+      }
+      used[best] = true;
+      const double along = dot(slide->axis, axes[best]);
+      if (std::fabs(along) < 1 - kAligned)
+        report_.note(Effect::Approximate, slide->place, "joint.axis",
+                     "a slide that is not along or across the other axes of its body is turned to the "
+                     "nearest of them");
+      joint_.axes[static_cast<std::size_t>(best)] = axisOf(*slide, along < 0 ? -sign_ : sign_);
+    }
+  }
+
+  /// A point that all axes of rotation go through.
+  Vec3 commonAnchor() {
+    if (turns_.empty()) return {};
+    const auto fits = [&](const Vec3& point) {
+      return std::all_of(turns_.begin(), turns_.end(), [&](const Dof* dof) {
+        const Vec3 offset = point - dof->anchor;
+        const Vec3 off = dof->type == DofType::Ball ? offset : cross(offset, dof->axis);
+        return length(off) < kAligned;
+      });
+    };
+    for (const Dof* dof : turns_)
+      if (fits(dof->anchor)) return dof->anchor;
+    note(Effect::Approximate,
+         "axes of hinges that do not meet in a point are moved to the anchor of the last one");
+    return link_.dofs.back().anchor;
+  }
+
+  const Link& link_;
+  Report& report_;
+  std::vector<const Dof*> slides_, turns_;
+  double sign_ = 1;
+  JointDef joint_;
+  Vec3 x_, y_, z_;
+};
+
+}  // namespace
+
+TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
+  const Dof& first = link.dofs.front();
+  JointDef joint;
+  Vec3 anchor = first.anchor;
+  Quat frame;
+  bool swapped = false;
+  if (link.dofs.size() > 1) {
+    SixDof builder(link, report);
+    joint = builder.build();
+    anchor = builder.anchor, frame = builder.frame, swapped = builder.swapped;
+  } else if (first.type == DofType::Ball) {
+    joint = ballOf(first, report);
+  } else {
+    joint.type = first.type == DofType::Hinge ? JointType::Hinge : JointType::Slider;
+    joint.axes[0] = axisOf(first, 1);
+    frame = frameAlong(first.axis);
+    joint.orientationAtoB = inParentBody.q;
+  }
+  joint.anchorA = anchor, joint.frameA = frame;
+  joint.anchorB = inParentBody * anchor, joint.frameB = normalize(inParentBody.q * frame);
+  if (swapped) std::swap(joint.anchorA, joint.anchorB), std::swap(joint.frameA, joint.frameB);
+  return {std::move(joint), !swapped};
+}
+
+}  // namespace rubble::convert

@@ -1,0 +1,78 @@
+/// Collision filters. Bodies with the same masks of geoms form a class, each class is one layer, and the mask
+/// of a class holds the classes that it collides with by the rule of the model. This is exact for up to 32
+/// classes.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "convert/assemble.h"
+
+namespace rubble::convert {
+namespace {
+
+constexpr std::size_t kLayers = 32;
+
+using Class = std::set<Contact>;
+
+bool collide(const Class& a, const Class& b) {
+  for (const Contact& i : a)
+    for (const Contact& j : b)
+      if ((i.type & j.affinity) != 0 || (j.type & i.affinity) != 0) return true;
+  return false;
+}
+
+void addLayers(const Layout& layout, Scene& scene, Report& report) {
+  std::map<Class, std::uint32_t> layerOf;
+  bool mixed = false;
+  for (const std::vector<Contact>& contacts : layout.contactsOf) {
+    const Class own(contacts.begin(), contacts.end());
+    mixed = mixed || own.size() > 1;
+    if (!own.empty()) layerOf.try_emplace(own, static_cast<std::uint32_t>(layerOf.size()));
+  }
+  const Place place{report.file, 1};
+  if (mixed)
+    report.note(Effect::Approximate, place, "contype, conaffinity",
+                "a body collides with all of its geoms if it does with one of them");
+  if (layerOf.size() > kLayers) {
+    report.note(Effect::Lost, place, "contype, conaffinity",
+                "more than 32 combinations: all bodies collide with one another");
+    return;
+  }
+  if (layerOf.empty()) return;
+  const Class& first = layerOf.begin()->first;
+  if (layerOf.size() == 1 && collide(first, first)) return;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const Class own(layout.contactsOf[i].begin(), layout.contactsOf[i].end());
+    if (own.empty()) continue;
+    CollisionFilter& filter = scene.bodies[i].filter;
+    filter.layers = 1u << layerOf.at(own), filter.mask = 0;
+    for (const auto& [other, layer] : layerOf)
+      if (collide(own, other)) filter.mask |= 1u << layer;
+  }
+}
+
+std::vector<int> bodiesOf(const Layout& layout, int link) {
+  if (link < 0) return {};
+  const int body = bodyIndex(layout, link);
+  return body == kWorld ? layout.staticOf[static_cast<std::size_t>(link)] : std::vector<int>{body};
+}
+
+}  // namespace
+
+void addFilters(const Model& model, const Layout& layout, Scene& scene, Report& report) {
+  addLayers(layout, scene, report);
+  std::set<std::pair<int, int>> pairs;
+  const auto exclude = [&](int linkA, int linkB) {
+    for (const int a : bodiesOf(layout, linkA))
+      for (const int b : bodiesOf(layout, linkB))
+        if (a != b) pairs.insert(std::minmax(a, b));
+  };
+  for (const auto& [a, b] : model.exclusions) exclude(a, b);
+  if (!model.staticParentsCollide)
+    for (std::size_t i = 0; i < model.links.size(); ++i)
+      if (!model.links[i].dofs.empty() && rootOf(layout, model.links[i].parent) < 0)
+        exclude(static_cast<int>(i), model.links[i].parent);
+  scene.exclusions.assign(pairs.begin(), pairs.end());
+}
+
+}  // namespace rubble::convert

@@ -1,0 +1,104 @@
+#include "convert/assemble.h"
+#include "convert/names.h"
+
+namespace rubble::convert {
+namespace {
+
+std::string nameOf(const Link& link) {
+  std::string name;
+  for (const Dof& dof : link.dofs)
+    if (!dof.name.empty()) name += (name.empty() ? "" : "+") + dof.name;
+  return name.empty() ? link.name + "_joint" : name;
+}
+
+class JointBuilder {
+ public:
+  JointBuilder(const Model& model, const Layout& layout, Scene& scene, Report& report)
+      : model_(model), layout_(layout), scene_(scene), report_(report), jointOf_(model.links.size(), -1) {}
+
+  void build() {
+    for (std::size_t i = 0; i < model_.links.size(); ++i)
+      if (!model_.links[i].dofs.empty()) addTree(i);
+    for (const Loop& loop : model_.loops) addLoop(loop);
+    for (const Coupling& coupling : model_.couplings) addCoupling(coupling);
+  }
+
+ private:
+  void addTree(std::size_t i) {
+    const Link& link = model_.links[i];
+    auto [joint, childIsA] = jointOf(link, poseInBody(layout_, link.parent) * link.pose, report_);
+    const int child = bodyIndex(layout_, static_cast<int>(i)), parent = bodyIndex(layout_, link.parent);
+    joint.bodyA = childIsA ? child : parent, joint.bodyB = childIsA ? parent : child;
+    joint.name = names_.unique(nameOf(link));
+    joint.collide = model_.parentsCollide;
+    jointOf_[i] = static_cast<int>(scene_.joints.size());
+    for (const Dof& dof : link.dofs)
+      report_.converted(dof.place, "joint" + inQuotes(dof.name), keyword(joint.type) + inQuotes(joint.name));
+    scene_.joints.push_back(std::move(joint));
+  }
+
+  bool isDynamic(int body) const {
+    return body != kWorld && scene_.bodies[static_cast<std::size_t>(body)].motion == Motion::Dynamic;
+  }
+
+  void addLoop(const Loop& loop) {
+    JointDef joint;
+    joint.type = loop.keepsOrientation ? JointType::Fixed : JointType::Ball;
+    joint.bodyA = bodyIndex(layout_, loop.linkA), joint.bodyB = bodyIndex(layout_, loop.linkB);
+    const std::string what = (loop.keepsOrientation ? "weld" : "connect") + inQuotes(loop.name);
+    if (joint.bodyA == joint.bodyB || (!isDynamic(joint.bodyA) && !isDynamic(joint.bodyB))) {
+      report_.note(Effect::None, loop.place, what, "its bodies do not move relative to one another");
+      return;
+    }
+    const Pose a = poseInBody(layout_, loop.linkA), b = poseInBody(layout_, loop.linkB);
+    joint.anchorA = a * loop.anchorA, joint.anchorB = b * loop.anchorB;
+    joint.orientationAtoB = normalize(b.q * loop.orientationAtoB * conjugate(a.q));
+    joint.name = names_.unique(loop.name.empty() ? "loop" : loop.name);
+    joint.collide = true;
+    report_.converted(loop.place, what, keyword(joint.type) + inQuotes(joint.name));
+    scene_.joints.push_back(std::move(joint));
+  }
+
+  void addCoupling(const Coupling& coupling) {
+    const auto single = [&](const std::pair<int, int>& dof) {
+      const auto link = static_cast<std::size_t>(dof.first);
+      return model_.links[link].dofs.size() == 1 ? jointOf_[link] : -1;
+    };
+    const int a = single(coupling.dofA), b = single(coupling.dofB);
+    const std::string what = "coupling" + inQuotes(coupling.name);
+    const auto lose = [&](const std::string& why) { report_.note(Effect::Lost, coupling.place, what, why); };
+    if (a < 0 || b < 0) return lose("only joints that are alone in their body can be coupled");
+    if (coupling.ratio == 0) return lose("a coupling with the factor 0");
+    const auto type = [&](int joint) { return scene_.joints[static_cast<std::size_t>(joint)].type; };
+    JointDef joint;
+    if (type(a) == JointType::Hinge && type(b) == JointType::Hinge)
+      joint = gearBetween(scene_, a, b, -coupling.ratio);
+    else if (type(a) == JointType::Slider && type(b) == JointType::Hinge)
+      joint = rackBetween(scene_, b, a, coupling.ratio);
+    else if (type(a) == JointType::Hinge && type(b) == JointType::Slider)
+      joint = rackBetween(scene_, a, b, 1 / coupling.ratio);
+    else
+      return lose("only a hinge can be coupled with a hinge or a slide");
+    if (coupling.offset != 0)
+      report_.note(Effect::Approximate, coupling.place, what,
+                   "a gear keeps the offset that its joints have at the beginning");
+    joint.name = names_.unique(coupling.name.empty() ? "coupling" : coupling.name);
+    report_.converted(coupling.place, what, keyword(joint.type) + inQuotes(joint.name));
+    scene_.joints.push_back(std::move(joint));
+  }
+
+  const Model& model_;
+  const Layout& layout_;
+  Scene& scene_;
+  Report& report_;
+  std::vector<int> jointOf_;  ///< of each link: index of its joint
+  Names names_;
+};
+
+}  // namespace
+
+void addJoints(const Model& model, const Layout& layout, Scene& scene, Report& report) {
+  JointBuilder(model, layout, scene, report).build();
+}
+
+}  // namespace rubble::convert

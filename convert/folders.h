@@ -1,0 +1,26 @@
+#pragma once
+/// Folders that an import may read from. A model names files; none outside of these folders is opened.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "convert/report.h"
+
+namespace rubble::convert {
+
+class Folders {
+ public:
+  /// Throws Error if there is no such folder.
+  void allow(const std::filesystem::path& folder);
+  /// The file of that name in `base`. Throws Error at `who` unless it exists and, with links resolved, lies
+  /// in an allowed folder.
+  std::filesystem::path find(const std::filesystem::path& base, const std::string& name,
+                             const std::string& who) const;
+  /// Is there such a file?
+  static bool exists(const std::filesystem::path& base, const std::string& name);
+
+ private:
+  std::vector<std::filesystem::path> allowed_;
+};
+
+}  // namespace rubble::convert

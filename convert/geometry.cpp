@@ -1,0 +1,101 @@
+#include "convert/geometry.h"
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "cook/hull.h"
+
+namespace rubble::convert {
+namespace {
+
+using Triangle = std::array<int, 3>;
+
+Vec3 corner(const TriangleMesh& mesh, const Triangle& t, std::size_t k) {
+  return mesh.vertices[static_cast<std::size_t>(t[k])];
+}
+
+/// Centroid of the triangles, weighted by their areas.
+Vec3 surfaceCentroid(const TriangleMesh& mesh) {
+  Vec3 sum;
+  double area = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 a = corner(mesh, t, 0), b = corner(mesh, t, 1), c = corner(mesh, t, 2);
+    const double twice = length(cross(b - a, c - a));
+    sum += (a + b + c) * (twice / 3), area += twice;
+  }
+  return area > 0 ? sum / area : Vec3{};
+}
+
+}  // namespace
+
+SolidSums massOf(const TriangleMesh& mesh, MeshMass kind, const std::string& path) {
+  if (kind == MeshMass::Convex) return massOf(hullOf(mesh.vertices, path), MeshMass::Exact, path);
+  const Vec3 center = surfaceCentroid(mesh);
+  SolidSums sums;
+  for (const Triangle& t : mesh.triangles) {
+    const SolidSums cone = tetrahedronSums(corner(mesh, t, 0) - center, corner(mesh, t, 1) - center,
+                                           corner(mesh, t, 2) - center);
+    const bool flipped = kind == MeshMass::Legacy && cone.volume < 0;
+    sums += placed(cone, {}, {}, flipped ? -1 : 1);
+  }
+  return placed(sums, center, {}, 1);
+}
+
+TriangleMesh hullOf(const std::vector<Vec3>& points, const std::string& path) {
+  const Hull hull = convexHull(points, path);
+  TriangleMesh out;
+  out.vertices = hull.vertices;
+  for (const std::vector<int>& face : hull.faces)
+    for (std::size_t k = 2; k < face.size(); ++k) out.triangles.push_back({face[0], face[k - 1], face[k]});
+  return out;
+}
+
+std::vector<Vec3> directions(int count) {
+  std::vector<Vec3> out{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  // a spiral of the golden angle
+  const double angle = std::numbers::pi * (3 - std::sqrt(5.));
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2 * i + 1) / static_cast<double>(count), r = std::sqrt(1 - z * z);
+    out.push_back({r * std::cos(angle * i), r * std::sin(angle * i), z});
+  }
+  return out;
+}
+
+std::vector<Vec3> cornersOf(const std::vector<Vec3>& points, bool& reduced, const std::string& path) {
+  const std::vector<Vec3> corners = convexHull(points, path).vertices;
+  reduced = corners.size() > kMostCorners;
+  if (!reduced) return corners;
+  std::set<std::size_t> kept;
+  for (const Vec3& d : directions(static_cast<int>(kMostCorners) - 6)) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < corners.size(); ++i)
+      if (dot(corners[i], d) > dot(corners[best], d)) best = i;
+    kept.insert(best);
+  }
+  std::vector<Vec3> out;
+  for (const std::size_t i : kept) out.push_back(corners[i]);
+  return out;
+}
+
+Shape ellipsoidHull(const Vec3& halfAxes) {
+  std::vector<Vec3> points = directions(static_cast<int>(kMostCorners) - 6);
+  for (Vec3& point : points) point = mul(point, halfAxes);
+  return Shape::hull(std::move(points));
+}
+
+MassProperties ellipsoidMass(const Vec3& halfAxes) {
+  const Vec3 s = mul(halfAxes, halfAxes);
+  const double mass = 4. / 3 * std::numbers::pi * halfAxes.x * halfAxes.y * halfAxes.z;
+  return {mass, Vec3{s.y + s.z, s.x + s.z, s.x + s.y} * (mass / 5), {}, {}};
+}
+
+SolidSums sumsOfTensor(double mass, const std::array<double, 6>& tensor) {
+  SolidSums out;
+  out.volume = mass;
+  const double half = (tensor[0] + tensor[1] + tensor[2]) / 2;
+  out.second = {half - tensor[0], half - tensor[1], half - tensor[2], -tensor[3], -tensor[4], -tensor[5]};
+  return out;
+}
+
+}  // namespace rubble::convert

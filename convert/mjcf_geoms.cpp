@@ -1,0 +1,171 @@
+/// <geom>: shape, mass, surface and collision masks.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "convert/mjcf_reader.h"
+#include "convert/rotations.h"
+
+namespace rubble::convert {
+namespace {
+
+const std::vector<std::string> kTypes{"plane",    "hfield", "sphere", "capsule", "ellipsoid",
+                                      "cylinder", "box",    "mesh",   "sdf"};
+
+Vec3 positive(const Tag& tag, const std::vector<double>& size, std::size_t count) {
+  if (size.size() < count)
+    tag.fail("size", std::to_string(count) + (count == 1 ? " number" : " numbers"),
+             std::to_string(size.size()));
+  Vec3 out;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(size[i] > 0)) tag.fail("size", "numbers above 0 [m]", std::to_string(size[i]));
+    out[static_cast<int>(i)] = size[i];
+  }
+  return out;
+}
+
+/// Sizes and pose of a geom between two points.
+std::vector<double> spanned(const Tag& tag, const std::string& type, std::vector<double> size,
+                            const std::vector<double>& ends, Pose& pose) {
+  const Vec3 from{ends[0], ends[1], ends[2]}, to{ends[3], ends[4], ends[5]};
+  const double half = length(from - to) / 2;
+  if (!(half > 1e-10)) tag.fail("fromto", "two points apart", "one point");
+  pose = {(from + to) / 2, quatOfZ(from - to)};
+  if (size.empty()) tag.fail("size", "a radius", "none");
+  if (type == "box" || type == "ellipsoid") return {size[0], size[0], half};
+  return {size[0], half};
+}
+
+}  // namespace
+
+void MjcfReader::readGeom(const Tag& tag, const MjcfScope& scope) {
+  Geom geom;
+  geom.name = tag.name();
+  if (!geom.name.empty()) geom.name += scope.suffix;
+  geom.place = tag.place();
+  geom.material = materialOf(tag);
+  constexpr int kLow = std::numeric_limits<int>::min(), kHigh = std::numeric_limits<int>::max();
+  geom.contact = {static_cast<std::uint32_t>(tag.whole("contype", kLow, kHigh).value_or(1)),
+                  static_cast<std::uint32_t>(tag.whole("conaffinity", kLow, kHigh).value_or(1))};
+  if (!compiler_.contacts) geom.contact = {0, 0};
+  const std::string type = kTypes[tag.choice("type", kTypes, 2)];
+  geom.pose = poseOf(tag);
+  SolidSums solid;
+  if (!shapeOf(tag, type, geom, solid)) return;
+  geom.pose = scope.pose * geom.pose;
+  const double group = tag.number("group", 0);
+  const std::optional<double> mass = tag.number("mass");
+  const double density = tag.number("density", 1000);
+  if (mass.value_or(0) < 0) tag.fail("mass", "a mass of at least 0 [kg]", std::to_string(*mass));
+  if (density < 0) tag.fail("density", "a density of at least 0 [kg/m3]", std::to_string(density));
+  const bool shell = tag.flag("shellinertia", false);
+  if (solid.volume > 0 && group >= compiler_.inertiaGroups[0] && group <= compiler_.inertiaGroups[1]) {
+    const double factor = mass ? *mass / solid.volume : density;
+    if (shell && factor > 0)
+      report_.note(Effect::Lost, tag.place(), "geom.shellinertia",
+                   "mass is in the solid and not on the surface");
+    geomMass_[static_cast<std::size_t>(scope.link)] += placed(solid, geom.pose.p, geom.pose.q, factor);
+  }
+  link(scope.link).geoms.push_back(std::move(geom));
+}
+
+Material MjcfReader::materialOf(const Tag& tag) {
+  // friction is along the surface, about its normal, and of rolling; condim says which of them act
+  std::vector<double> friction{1, .005, .0001};
+  if (const auto given = tag.numbers("friction", 1, 3))
+    std::copy(given->begin(), given->end(), friction.begin());
+  for (const double each : friction)
+    if (each < 0) tag.fail("friction", "numbers of at least 0", std::to_string(each));
+  const int dimensions = tag.whole("condim", 1, 6).value_or(3);
+  if (dimensions == 2 || dimensions == 5) tag.fail("condim", "1, 3, 4 or 6", std::to_string(dimensions));
+  Material out;
+  out.staticFriction = out.dynamicFriction = dimensions >= 3 ? friction[0] : 0;
+  out.torsionalFriction = dimensions >= 4 ? friction[1] : 0;
+  out.rollingFriction = dimensions >= 6 ? friction[2] : 0;
+  out.frictionCombine = Combine::Maximum;
+  return out;
+}
+
+bool MjcfReader::shapeOf(const Tag& tag, const std::string& type, Geom& geom, SolidSums& solid) {
+  if (type == "plane") {
+    geom.shape = Shape::plane();
+    return true;
+  }
+  if (type == "hfield") return fieldShape(tag, geom);
+  if (type == "mesh" || tag.has("mesh")) return meshShape(tag, geom, solid);
+  if (type == "sdf") {
+    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
+                 "a signed distance function of a plugin");
+    return false;
+  }
+  std::vector<double> size = tag.numbers("size", 1, 3).value_or(std::vector<double>{});
+  if (type != "sphere")
+    if (const auto ends = tag.numbers("fromto", 6, 6))
+      size = spanned(tag, type, std::move(size), *ends, geom.pose);
+  const Vec3 s = positive(tag, size, type == "sphere" ? 1 : type == "capsule" || type == "cylinder" ? 2 : 3);
+  if (type == "ellipsoid") {
+    geom.shape = ellipsoidHull(s);
+    solid = sumsOf(ellipsoidMass(s));
+    report_.note(
+        Effect::Approximate, tag.place(), "geom.type",
+        "an ellipsoid is a convex hull of 64 of its points in contacts; its mass properties are exact");
+    return true;
+  }
+  geom.shape = type == "sphere"     ? Shape::sphere(s.x)
+               : type == "capsule"  ? Shape::capsule(s.x, s.y)
+               : type == "cylinder" ? Shape::cylinder(s.x, s.y)
+                                    : Shape::box(s);
+  solid = sumsOf(massProperties(geom.shape, 1));
+  return true;
+}
+
+bool MjcfReader::meshShape(const Tag& tag, Geom& geom, SolidSums& solid) {
+  const std::string name = tag.need("mesh");
+  const auto found = meshes_.find(name);
+  if (found == meshes_.end()) {
+    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
+                 "the mesh '" + name + "' is not there");
+    return false;
+  }
+  if (tag.text("type").value_or("mesh") != "mesh")
+    report_.note(Effect::Approximate, tag.place(), "geom.type",
+                 "the convex hull of the mesh stands for the primitive that MuJoCo fits to it");
+  const MjcfMesh& asset = found->second;
+  solid = massOf(asset.mesh, asset.mass, tag.path("mesh"));
+  if (!(solid.volume > 0)) {
+    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
+                 "the mesh '" + name + "' encloses no volume, so it has no mass");
+    solid = {};
+  }
+  try {
+    bool reduced = false;
+    geom.shape = Shape::hull(cornersOf(asset.mesh.vertices, reduced, tag.path("mesh")));
+    if (reduced && geom.contact.any())
+      report_.note(Effect::Approximate, tag.place(), "geom.mesh",
+                   "at most 64 corners of the convex hull of a mesh take part in contacts");
+  } catch (const Error&) {
+    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
+                 "the mesh '" + name + "' has no convex hull (it is flat, or this build has no qhull)");
+    return false;
+  }
+  return true;
+}
+
+bool MjcfReader::fieldShape(const Tag& tag, Geom& geom) {
+  const std::string name = tag.need("hfield");
+  const auto found = fields_.find(name);
+  if (found == fields_.end()) {
+    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
+                 "the hfield '" + name + "' is not there");
+    return false;
+  }
+  const MjcfHeightField& field = found->second;
+  std::vector<double> heights = field.samples;
+  for (double& height : heights) height *= field.height;
+  const Vec3 spacing{2 * field.radiusX / (field.columns - 1), 2 * field.radiusY / (field.rows - 1), 1};
+  geom.shape = Shape::heightField(field.columns, field.rows, spacing, std::move(heights));
+  geom.pose = geom.pose * Pose{{-field.radiusX, -field.radiusY, 0}, {}};
+  return true;
+}
+
+}  // namespace rubble::convert

@@ -1,0 +1,72 @@
+/// <keyframe>: the pose and controls that the scene may start with.
+#include <algorithm>
+
+#include "convert/mjcf_reader.h"
+
+namespace rubble::convert {
+
+void MjcfReader::readKeyframes(pugi::xml_node node) {
+  int index = 0;
+  for (const pugi::xml_node& child : source_.children(node, "key")) {
+    const Tag tag(source_, child);
+    const bool wanted = !options_.key.empty() &&
+                        (tag.name() == options_.key || std::to_string(index) == options_.key);
+    if (wanted && !foundKey_) {
+      foundKey_ = true;
+      applyKey(tag);
+      report_.converted(tag.place(), "key" + inQuotes(tag.name()), "start of the scene");
+    } else {
+      for (const pugi::xml_attribute& attribute : child.attributes()) source_.use(attribute);
+      report_.note(Effect::None, tag.place(), "key" + inQuotes(tag.name()),
+                   "the scene starts in it with --key");
+    }
+    ++index;
+  }
+}
+
+void MjcfReader::applyKey(const Tag& tag) {
+  constexpr std::size_t kMost = 1000000;
+  std::size_t positions = 0, mocaps = 0;
+  for (const Link& each : model_.links) {
+    positions += each.free ? 7 : 0;
+    for (const Dof& own : each.dofs) positions += own.type == DofType::Ball ? 4 : 1;
+    mocaps += each.kinematic ? 1 : 0;
+  }
+  const auto unit = [&](const std::vector<double>& list, std::size_t at, const char* key) {
+    const Quat q{list[at], list[at + 1], list[at + 2], list[at + 3]};
+    if (!(q.s * q.s + dot(q.v, q.v) > 1e-20)) tag.fail(key, "quaternions of some length", "one of length 0");
+    return normalize(q);
+  };
+  if (const auto q = tag.numbers("qpos", positions, positions)) {
+    std::size_t at = 0;
+    for (Link& each : model_.links) {
+      if (each.free) {
+        each.start = Pose{{(*q)[at], (*q)[at + 1], (*q)[at + 2]}, unit(*q, at + 3, "qpos")};
+        at += 7;
+      }
+      for (Dof& own : each.dofs) {
+        if (own.type == DofType::Ball)
+          own.startTurn = unit(*q, at, "qpos"), at += 4;
+        else
+          own.start = (*q)[at++] - own.reference;
+      }
+    }
+  }
+  const auto places = tag.numbers("mpos", 3 * mocaps, 3 * mocaps);
+  const auto turns = tag.numbers("mquat", 4 * mocaps, 4 * mocaps);
+  std::size_t mocap = 0;
+  for (Link& each : model_.links) {
+    if (!each.kinematic) continue;
+    Pose pose = each.pose;
+    if (places) pose.p = {(*places)[3 * mocap], (*places)[3 * mocap + 1], (*places)[3 * mocap + 2]};
+    if (turns) pose.q = unit(*turns, 4 * mocap, "mquat");
+    each.start = pose;
+    ++mocap;
+  }
+  const auto speeds = tag.numbers("qvel", 0, kMost).value_or(std::vector<double>{});
+  if (std::any_of(speeds.begin(), speeds.end(), [](double v) { return v != 0; }))
+    report_.note(Effect::Lost, tag.place(), "key.qvel", "the scene starts at rest");
+  controls_ = tag.numbers("ctrl", 0, kMost).value_or(std::vector<double>{});
+}
+
+}  // namespace rubble::convert

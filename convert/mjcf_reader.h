@@ -1,0 +1,161 @@
+#pragma once
+/// State of an MJCF import, and its sections. Each section of the format is one source file.
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "convert/geometry.h"
+#include "convert/mjcf.h"
+#include "convert/tag.h"
+
+namespace rubble::convert {
+
+/// Settings of <compiler> and <option> (mjcf_compiler.cpp).
+struct MjcfCompiler {
+  bool degrees = true;
+  bool autolimits = true;
+  std::string eulerSequence = "xyz";
+  std::size_t inertiaFromGeoms = 2;  ///< false, true, auto
+  std::array<double, 2> inertiaGroups{0, 5};
+  bool balanceInertia = false;
+  double boundMass = 0, boundInertia = 0;  ///< [kg], [kg m2]
+  double totalMass = -1;                   ///< not positive: as it is [kg]
+  bool stripPath = false;
+  std::string meshFolder, assetFolder;
+  bool contacts = true, limits = true, springs = true, dampers = true, friction = true, actuation = true,
+       equality = true;
+};
+
+/// Default classes (mjcf_defaults.cpp).
+struct MjcfDefaults {
+  std::map<std::string, std::string> parent;                 ///< "" for the main class
+  std::map<std::string, std::vector<pugi::xml_node>> nodes;  ///< elements of each class
+  std::string main = "main";
+};
+
+struct MjcfMesh {
+  TriangleMesh mesh;
+  MeshMass mass = MeshMass::Legacy;
+  Place place;
+};
+
+struct MjcfHeightField {
+  int rows = 0, columns = 0;
+  double radiusX = 0, radiusY = 0, height = 0;  ///< [m]
+  std::vector<double> samples;                  ///< 0 to 1, x fastest
+};
+
+struct MjcfSite {
+  int link;
+  Pose pose;
+};
+
+/// What surrounds an element of the tree of bodies.
+struct MjcfScope {
+  int link = 0;
+  Pose pose;               ///< of the enclosing frames, in the link
+  std::string childClass;  ///< "": none
+  std::string suffix;      ///< of names in <replicate>
+  int depth = 0;
+};
+
+class MjcfReader {
+ public:
+  MjcfReader(Source& source, const ImportOptions& options, Report& report)
+      : source_(source), options_(options), report_(report) {}
+  Model read(pugi::xml_node root);
+
+ private:
+  // mjcf_compiler.cpp
+  void readCompiler(pugi::xml_node node);
+  void readOption(pugi::xml_node node);
+  void readFlags(pugi::xml_node node);
+  double angle(double value) const;
+  /// Orientation by quat, axisangle, euler, xyaxes or zaxis; and a frame by pos and orientation.
+  Quat orientationOf(const Tag& tag) const;
+  Pose poseOf(const Tag& tag) const;
+  std::optional<Quat> quaternionOf(const Tag& tag, const char* key) const;
+
+  // mjcf_defaults.cpp
+  void readDefaults(pugi::xml_node node, const std::string& parent, int depth);
+  /// An element with the defaults of its class, or of `childClass`.
+  Tag tagOf(pugi::xml_node node, const std::string& childClass = "");
+  /// The same for actuators, whose types share their defaults.
+  Tag actuatorOf(pugi::xml_node node);
+  std::vector<pugi::xml_node> defaultsOf(const std::string& className,
+                                         const std::vector<std::string>& types) const;
+  std::string classOf(const pugi::xml_node& node, const std::string& childClass) const;
+
+  // mjcf_assets.cpp
+  void readAssets(pugi::xml_node node);
+  void readMesh(const Tag& tag);
+  void readHeightField(const Tag& tag);
+  std::filesystem::path assetFile(const Tag& tag, const std::string& folder);
+
+  // mjcf_bodies.cpp
+  void readWorld(pugi::xml_node node);
+  void readChildren(pugi::xml_node node, const MjcfScope& scope);
+  void readBody(const Tag& tag, const MjcfScope& scope);
+  void readFrame(const Tag& tag, const MjcfScope& scope);
+  void readReplicate(const Tag& tag, const MjcfScope& scope);
+  void readInertial(const Tag& tag, const MjcfScope& scope);
+  void finishMass(Link& link, bool hasInertial, const SolidSums& ofGeoms);
+  void scaleTotalMass();
+
+  // mjcf_geoms.cpp
+  void readGeom(const Tag& tag, const MjcfScope& scope);
+  /// Integrals at density 1 in the frame of the shape; false if the geom has no shape that can be used.
+  bool shapeOf(const Tag& tag, const std::string& type, Geom& geom, SolidSums& solid);
+  bool meshShape(const Tag& tag, Geom& geom, SolidSums& solid);
+  bool fieldShape(const Tag& tag, Geom& geom);
+  Material materialOf(const Tag& tag);
+
+  // mjcf_joints.cpp
+  void readJoint(const Tag& tag, const MjcfScope& scope);
+  std::optional<std::array<double, 2>> limitOf(const Tag& tag, const char* range, const char* limited);
+
+  // mjcf_relations.cpp
+  /// Pose of a link in the world as the file gives it.
+  Pose referencePose(int link) const;
+  void readContact(pugi::xml_node node);
+  void readEquality(pugi::xml_node node);
+  void readLoop(const Tag& tag);
+  void readCoupling(const Tag& tag);
+  int linkOf(const Tag& tag, const char* key) const;
+
+  // mjcf_actuators.cpp
+  void readActuator(const Tag& tag);
+
+  // mjcf_keyframes.cpp
+  void readKeyframes(pugi::xml_node node);
+  void applyKey(const Tag& tag);
+
+  Link& link(int i) { return model_.links[static_cast<std::size_t>(i)]; }
+  Dof& dof(const std::pair<int, int>& at) { return link(at.first).dofs[static_cast<std::size_t>(at.second)]; }
+
+  Source& source_;
+  const ImportOptions& options_;
+  Report& report_;
+  Model model_;
+  MjcfCompiler compiler_;
+  MjcfDefaults defaults_;
+  std::map<std::string, MjcfMesh> meshes_;
+  std::map<std::string, MjcfHeightField> fields_;
+  std::map<std::string, int> linkByName_;
+  std::map<std::string, std::pair<int, int>> dofByName_;
+  std::map<std::string, MjcfSite> sites_;
+  std::vector<SolidSums> geomMass_;  ///< of each link: sum of its geoms, in the frame of the link
+  std::vector<bool> hasInertial_;    ///< of each link
+  std::map<std::pair<int, int>, double> actuatorForce_;  ///< limits by actuatorfrcrange [N], [N m]
+  std::vector<double> controls_;                         ///< of the keyframe
+  std::size_t actuators_ = 0;                            ///< read so far
+  std::size_t elements_ = 0;                             ///< of the tree of bodies, with repetitions
+  bool foundKey_ = false;
+};
+
+/// Notes every element and attribute of an MJCF import that was not used (mjcf_unused.cpp).
+void noteUnusedMjcf(const Source& source, Report& report);
+
+}  // namespace rubble::convert

@@ -1,0 +1,107 @@
+/// <contact> and <equality>: pairs that do not collide, loops, couplings.
+#include "convert/mjcf_reader.h"
+
+namespace rubble::convert {
+
+int MjcfReader::linkOf(const Tag& tag, const char* key) const {
+  const std::string name = tag.need(key);
+  const auto found = linkByName_.find(name);
+  if (found == linkByName_.end()) tag.fail(key, "the name of a body", "\"" + name + "\"");
+  return found->second;
+}
+
+void MjcfReader::readContact(pugi::xml_node node) {
+  for (const pugi::xml_node& child : source_.children(node)) {
+    const std::string_view type = child.name();
+    if (type == "exclude") {
+      const Tag tag(source_, child);
+      tag.text("name");
+      model_.exclusions.emplace_back(linkOf(tag, "body1"), linkOf(tag, "body2"));
+      report_.converted(tag.place(), "exclude" + inQuotes(tag.name()), "pair of bodies that do not collide");
+    }
+  }
+}
+
+Pose MjcfReader::referencePose(int at) const {
+  Pose out;
+  for (; at >= 0; at = model_.links[static_cast<std::size_t>(at)].parent)
+    out = model_.links[static_cast<std::size_t>(at)].pose * out;
+  return out;
+}
+
+void MjcfReader::readEquality(pugi::xml_node node) {
+  for (const pugi::xml_node& child : source_.children(node)) {
+    const std::string_view type = child.name();
+    if (type != "connect" && type != "weld" && type != "joint") continue;
+    const Tag tag = tagOf(child);
+    if (!tag.flag("active", true) || !compiler_.equality) {
+      report_.note(Effect::None, tag.place(), "equality" + inQuotes(tag.name()), "it is not active");
+      continue;
+    }
+    if (type == "joint")
+      readCoupling(tag);
+    else
+      readLoop(tag);
+  }
+}
+
+void MjcfReader::readLoop(const Tag& tag) {
+  Loop loop;
+  loop.name = tag.name();
+  loop.place = tag.place();
+  loop.keepsOrientation = tag.type() == "weld";
+  if (tag.has("site1")) {
+    const auto siteOf = [&](const char* key) {
+      const std::string name = tag.need(key);
+      const auto found = sites_.find(name);
+      if (found == sites_.end()) tag.fail(key, "the name of a site", "\"" + name + "\"");
+      return found->second;
+    };
+    const MjcfSite a = siteOf("site1"), b = siteOf("site2");
+    loop.linkA = a.link, loop.linkB = b.link;
+    loop.anchorA = a.pose.p, loop.anchorB = b.pose.p;
+    loop.orientationAtoB = normalize(b.pose.q * conjugate(a.pose.q));
+    model_.loops.push_back(loop);
+    return;
+  }
+  loop.linkA = linkOf(tag, "body1");
+  loop.linkB = tag.has("body2") ? linkOf(tag, "body2") : 0;
+  Pose inA = inverse(referencePose(loop.linkA)) * referencePose(loop.linkB);  // of B
+  const Vec3 anchor = tag.vector("anchor").value_or(Vec3{});
+  if (loop.keepsOrientation) {
+    const auto pose = tag.numbers("relpose", 7, 7);
+    const Quat q = pose ? Quat{(*pose)[3], (*pose)[4], (*pose)[5], (*pose)[6]} : Quat{0, 0, 0, 0};
+    if (q.s != 0 || lengthSquared(q.v) > 0) inA = {{(*pose)[0], (*pose)[1], (*pose)[2]}, normalize(q)};
+    loop.anchorA = inA * anchor, loop.anchorB = anchor;  // the anchor is in the frame of body2
+  } else {
+    if (!tag.has("anchor")) tag.fail("anchor", "a point", "none");
+    loop.anchorA = anchor, loop.anchorB = inverse(inA) * anchor;
+  }
+  loop.orientationAtoB = conjugate(inA.q);
+  model_.loops.push_back(loop);
+}
+
+void MjcfReader::readCoupling(const Tag& tag) {
+  const auto dofOf = [&](const char* key) {
+    const std::string name = tag.need(key);
+    const auto found = dofByName_.find(name);
+    if (found == dofByName_.end()) tag.fail(key, "the name of a hinge or slide", "\"" + name + "\"");
+    if (dof(found->second).type == DofType::Ball) tag.fail(key, "a hinge or slide", "a ball joint");
+    return found->second;
+  };
+  std::vector<double> terms{0, 1, 0, 0, 0};
+  if (const auto given = tag.numbers("polycoef", 1, 5))
+    std::copy(given->begin(), given->end(), terms.begin());
+  const std::pair<int, int> first = dofOf("joint1");
+  if (!tag.has("joint2")) {
+    Dof& own = dof(first);
+    own.range = {own.reference + terms[0], own.reference + terms[0]};
+    report_.converted(tag.place(), tag.describe(), "locked joint" + inQuotes(own.name));
+    return;
+  }
+  if (terms[2] != 0 || terms[3] != 0 || terms[4] != 0)
+    report_.note(Effect::Lost, tag.place(), "equality.polycoef", "the terms of higher order");
+  model_.couplings.push_back({tag.name(), tag.place(), first, dofOf("joint2"), terms[1], terms[0]});
+}
+
+}  // namespace rubble::convert

@@ -1,0 +1,112 @@
+/// What an import of MJCF does not use, and why.
+#include "convert/mjcf_reader.h"
+#include "convert/unused.h"
+
+namespace rubble::convert {
+namespace {
+
+constexpr const char* kLook = "how it looks";
+constexpr const char* kSolver = "settings of the solver of MuJoCo";
+constexpr const char* kSoft = "softness of constraints in MuJoCo; here they are hard";
+constexpr const char* kReading = "readings; the state of bodies and joints is in the interface of World";
+
+/// Elements that are not converted, with everything in them.
+const Reasons& elements() {
+  static const Reasons all{
+      {"visual", {Effect::None, kLook}},
+      {"statistic", {Effect::None, "statistics for the display"}},
+      {"size", {Effect::None, "sizes of memory"}},
+      {"custom", {Effect::None, "data for users"}},
+      {"camera", {Effect::None, "a camera; the scene shows everything"}},
+      {"light", {Effect::None, "a light"}},
+      {"texture", {Effect::None, kLook}},
+      {"material", {Effect::None, kLook}},
+      {"skin", {Effect::None, kLook}},
+      {"sensor", {Effect::None, kReading}},
+      {"lengthrange", {Effect::None, "ranges of muscles"}},
+      {"tendon", {Effect::Lost, "there are no tendons"}},
+      {"deformable", {Effect::Lost, "flexible objects; author them as deformables"}},
+      {"flexcomp", {Effect::Lost, "flexible objects; author them as deformables"}},
+      {"composite", {Effect::Lost, "composite objects"}},
+      {"attach", {Effect::Lost, "models that are attached to this one"}},
+      {"model", {Effect::Lost, "models that are attached to this one"}},
+      {"extension", {Effect::Lost, "plugins"}},
+      {"plugin", {Effect::Lost, "plugins"}},
+      {"pair", {Effect::Lost, "an explicit pair; geoms collide by contype and conaffinity"}},
+      {"flex", {Effect::Lost, "a constraint of flexible objects"}},
+      {"flexstrain", {Effect::Lost, "a constraint of flexible objects"}},
+      {"distance", {Effect::Lost, "a constraint of the distance of geoms"}},
+  };
+  return all;
+}
+
+/// Attributes that are not read: of one type of element, or of any.
+const Reasons& attributes() {
+  static const Reasons all{
+      {"geom.priority",
+       {Effect::Approximate, "which geom of a pair gives the friction; a pair takes the larger one"}},
+      {"geom.solmix", {Effect::None, kSolver}},
+      {"geom.margin", {Effect::Approximate, "contacts begin where surfaces touch"}},
+      {"geom.gap", {Effect::Approximate, "contacts begin where surfaces touch"}},
+      {"geom.adhesion", {Effect::Lost, "adhesive contacts"}},
+      {"geom.surfacevel", {Effect::Lost, "velocity of the surface"}},
+      {"geom.fluidshape", {Effect::None, "there is no medium"}},
+      {"geom.fluidcoef", {Effect::None, "there is no medium"}},
+      {"geom.fitscale", {Effect::Approximate, "primitives are not fitted to meshes"}},
+      {"joint.margin", {Effect::None, "limits act where they are"}},
+      {"joint.springyield", {Effect::Lost, "springs that yield"}},
+      {"joint.actuatorgravcomp", {Effect::None, "compensation of gravity by actuators"}},
+      {"body.sleep", {Effect::None, kSolver}},
+      {"body.simple", {Effect::None, kSolver}},
+      {"body.fuse", {Effect::None, "bodies without joints become part of their parents"}},
+      {"equality.torquescale", {Effect::Approximate, kSoft}},
+      {"weld.torquescale", {Effect::Approximate, kSoft}},
+      {"compiler.conflict", {Effect::None, "which of several models counts"}},
+      {"option.timestep", {Effect::None, "the time step is that of the run: see --dt"}},
+      {"option.o_friction", {Effect::Lost, "friction of all contacts"}},
+      {"option.o_margin", {Effect::Lost, "margin of all contacts"}},
+      {"option.magnetic", {Effect::None, "field of magnetometers"}},
+      {"mesh.texcoord", {Effect::None, kLook}},
+      {"mesh.normal", {Effect::None, kLook}},
+      {"mesh.smoothnormal", {Effect::None, kLook}},
+      {"mesh.maxhullvert", {Effect::None, "hulls have at most 64 corners"}},
+      {"mesh.content_type", {Effect::None, "the ending of the name tells the format"}},
+      {"hfield.content_type", {Effect::None, "the ending of the name tells the format"}},
+      {"freejoint.align", {Effect::None, kSolver}},
+      {"general.lengthrange", {Effect::None, "ranges of muscles"}},
+      {"position.inheritrange", {Effect::None, "range of controls, which stay as they are"}},
+      {"general.actrange", {Effect::None, "range of activations"}},
+      {"general.actlimited", {Effect::None, "range of activations"}},
+  };
+  return all;
+}
+const Reasons& anywhere() {
+  static const Reasons all{
+      {"rgba", {Effect::None, kLook}},
+      {"material", {Effect::None, kLook}},
+      {"castshadow", {Effect::None, kLook}},
+      {"user", {Effect::None, "data for users"}},
+      {"group", {Effect::None, "what is shown"}},
+      {"class", {Effect::None, "no element has that class"}},
+      {"name", {Effect::None, "nothing refers to it"}},
+      {"solref", {Effect::Approximate, kSoft}},
+      {"solimp", {Effect::Approximate, kSoft}},
+      {"solreflimit", {Effect::Approximate, kSoft}},
+      {"solimplimit", {Effect::Approximate, kSoft}},
+      {"solreffriction", {Effect::Approximate, kSoft}},
+      {"solimpfriction", {Effect::Approximate, kSoft}},
+      {"inheritrange", {Effect::None, "range of controls, which stay as they are"}},
+      {"delay", {Effect::Lost, "delay of a control"}},
+      {"nsample", {Effect::None, "history of a control"}},
+      {"interp", {Effect::None, "history of a control"}},
+  };
+  return all;
+}
+
+}  // namespace
+
+void noteUnusedMjcf(const Source& source, Report& report) {
+  noteUnused(source, {elements(), attributes(), anywhere()}, report);
+}
+
+}  // namespace rubble::convert

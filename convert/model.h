@@ -1,0 +1,118 @@
+#pragma once
+/// A robot model as its file describes it: a tree of links with their geometry and degrees of freedom.
+/// Readers of formats fill it, assemble() makes a scene of it.
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <rubble/scene.h>
+
+#include "convert/report.h"
+#include "cook/solid_mass.h"
+
+namespace rubble::convert {
+
+/// A frame in another one: x -> p + R(q) x.
+struct Pose {
+  Vec3 p;  ///< [m]
+  Quat q;
+};
+inline Pose operator*(const Pose& a, const Pose& b) { return {a.p + rotate(a.q, b.p), normalize(a.q * b.q)}; }
+inline Pose inverse(const Pose& a) { return {-rotateInverse(a.q, a.p), conjugate(a.q)}; }
+inline Vec3 operator*(const Pose& a, const Vec3& x) { return a.p + rotate(a.q, x); }
+
+/// Collision masks of a geom: two geoms collide if the `type` of one shares a bit with the `affinity` of the
+/// other (MuJoCo).
+struct Contact {
+  std::uint32_t type = 1, affinity = 1;
+
+  bool any() const { return type != 0 || affinity != 0; }
+  auto operator<=>(const Contact&) const = default;
+};
+
+struct Geom {
+  std::string name;
+  Place place;
+  Shape shape;
+  Pose pose;  ///< of the shape, in the frame of its link
+  Material material;
+  Contact contact;
+};
+
+/// A drive and passive spring of a degree of freedom, as sums over springs, dampers and actuators.
+struct DofDrive {
+  double stiffness = 0;        ///< [N/m], [N m/rad]
+  double stiffnessTarget = 0;  ///< sum of stiffness times rest coordinate, and of constant forces [N], [N m]
+  double damping = 0;          ///< [N s/m], [N m s/rad]
+  double dampingSpeed = 0;     ///< sum of damping times target speed [N], [N m]
+  double maxForce = kHard;     ///< [N], [N m]
+};
+
+enum class DofType { Hinge, Slide, Ball };
+
+/// A joint of a link toward its parent. Several of one link act in their order, the first one next to the
+/// parent.
+struct Dof {
+  DofType type = DofType::Hinge;
+  std::string name;
+  Place place;
+  Vec3 axis{0, 0, 1};    ///< in the frame of the link; hinge, slide
+  Vec3 anchor;           ///< in the frame of the link [m]; hinge, ball
+  double reference = 0;  ///< coordinate of the pose in the file [m], [rad]
+  /// Coordinates at most; ball: {0, largest angle} [m], [rad].
+  std::optional<std::array<double, 2>> range;
+  double friction = 0;  ///< [N], [N m]
+  DofDrive drive;
+  double start = 0;  ///< coordinate at the beginning, relative to `reference` [m], [rad]
+  Quat startTurn;    ///< the same of a ball
+};
+
+struct Link {
+  std::string name;
+  Place place;
+  int parent = -1;  ///< index of a link before this one, or -1: the world
+  Pose pose;        ///< in the frame of its parent
+  /// Pose in the world at the beginning, in place of the one by its parent; free links.
+  std::optional<Pose> start;
+  bool free = false;       ///< moves freely
+  bool kinematic = false;  ///< moves as told
+  SolidSums mass;          ///< about the origin of its frame; `volume` is the mass [kg]
+  std::vector<Geom> geoms;
+  std::vector<Dof> dofs;
+  double gravityScale = 1;
+
+  bool moves() const { return free || kinematic || !dofs.empty(); }
+};
+
+/// A joint that closes a loop of links.
+struct Loop {
+  std::string name;
+  Place place;
+  bool keepsOrientation = false;  ///< weld; otherwise a ball joint
+  int linkA = -1, linkB = -1;     ///< -1: the world
+  Vec3 anchorA, anchorB;          ///< in the frames of the links [m]
+  Quat orientationAtoB;           ///< weld: orientation of A seen from B
+};
+
+/// dofA = offset + ratio * dofB, both measured from the pose in the file.
+struct Coupling {
+  std::string name;
+  Place place;
+  std::pair<int, int> dofA, dofB;  ///< link, index in its dofs
+  double ratio = 1, offset = 0;
+};
+
+struct Model {
+  std::string name;
+  Vec3 gravity{0, 0, -9.81};  ///< [m/s2]
+  std::vector<Link> links;    ///< parents before children
+  std::vector<Loop> loops;
+  std::vector<Coupling> couplings;
+  std::vector<std::pair<int, int>> exclusions;  ///< pairs of links (-1: the world)
+  bool parentsCollide = false;                  ///< do links collide with their parents?
+  bool staticParentsCollide = true;             ///< and with static ones?
+};
+
+}  // namespace rubble::convert

@@ -1,0 +1,330 @@
+#include "convert/urdf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "convert/geometry.h"
+#include "convert/packages.h"
+#include "convert/rotations.h"
+#include "convert/tag.h"
+#include "convert/urdf_unused.h"
+#include "io/mesh_file.h"
+
+namespace rubble::convert {
+namespace {
+
+/// A joint as the file gives it.
+struct UrdfJoint {
+  pugi::xml_node node;
+  std::string parent, child;
+};
+
+class UrdfReader {
+ public:
+  UrdfReader(Source& source, const ImportOptions& options, Report& report)
+      : source_(source),
+        options_(options),
+        report_(report),
+        packages_(source.folders(), source.home(), options.packages) {}
+
+  Model read(pugi::xml_node root) {
+    model_.name = Tag(source_, root).name();
+    model_.staticParentsCollide = false;
+    for (const pugi::xml_node& node : source_.children(root, "link")) addName(node);
+    for (const pugi::xml_node& node : source_.children(root, "joint")) addJoint(node);
+    addLinks(rootLink(root), -1);
+    if (model_.links.size() != links_.size())
+      throw Error(source_.path(root), "one tree of links",
+                  std::to_string(links_.size() - model_.links.size()) + " links in a loop of joints");
+    for (const pugi::xml_node& node : mimics_) addMimic(node);
+    return std::move(model_);
+  }
+
+ private:
+  void addName(pugi::xml_node node) {
+    const Tag tag(source_, node);
+    if (!links_.emplace(tag.need("name"), node).second)
+      tag.fail("name", "a name that no other link has", "\"" + tag.name() + "\"");
+  }
+
+  std::string linkName(const pugi::xml_node& joint, const char* end) {
+    const pugi::xml_node node = joint.child(end);
+    if (!node) throw Error(source_.path(joint) + "." + end, "the name of a link", "none");
+    const Tag tag(source_, node);
+    const std::string name = tag.need("link");
+    if (!links_.contains(name)) tag.fail("link", "the name of a link", "\"" + name + "\"");
+    return name;
+  }
+
+  void addJoint(pugi::xml_node node) {
+    const Tag tag(source_, node);
+    const UrdfJoint joint{node, linkName(node, "parent"), linkName(node, "child")};
+    if (!isChild_.emplace(joint.child, true).second)
+      throw Error(tag.path("child"), "a link that is the child of one joint", "\"" + joint.child + "\"");
+    jointsOf_[joint.parent].push_back(joint);
+  }
+
+  std::string rootLink(const pugi::xml_node& root) {
+    std::string found;
+    for (const pugi::xml_node& node : source_.children(root, "link")) {
+      const std::string name = node.attribute("name").value();
+      if (isChild_.contains(name)) continue;
+      if (!found.empty())
+        throw Error(source_.path(node), "one link without a parent",
+                    "\"" + found + "\" and \"" + name + "\"");
+      found = name;
+    }
+    if (found.empty()) throw Error(source_.path(root), "a link without a parent", "none");
+    return found;
+  }
+
+  /// The links of the tree below one, parents first.
+  void addLinks(const std::string& root, int parent) {
+    std::vector<std::pair<UrdfJoint, int>> open{{{{}, "", root}, parent}};
+    while (!open.empty()) {
+      const auto [joint, above] = open.back();
+      open.pop_back();
+      const int index = static_cast<int>(model_.links.size());
+      model_.links.push_back(readLink(links_.at(joint.child)));
+      Link& link = model_.links.back();
+      link.parent = above;
+      if (joint.node)
+        readJoint(joint.node, link, index);
+      else if (options_.floatingBase)
+        link.free = true;
+      auto& below = jointsOf_[joint.child];
+      for (auto next = below.rbegin(); next != below.rend(); ++next) open.emplace_back(*next, index);
+    }
+  }
+
+  Pose originOf(const pugi::xml_node& parent) {
+    const pugi::xml_node node = parent.child("origin");
+    if (!node) return {};
+    const Tag tag(source_, node);
+    return {tag.vector("xyz").value_or(Vec3{}), quatOfRpy(tag.vector("rpy").value_or(Vec3{}))};
+  }
+
+  Link readLink(pugi::xml_node node) {
+    Link link;
+    link.name = node.attribute("name").value();
+    link.place = source_.place(node);
+    linkIndex_[link.name] = static_cast<int>(model_.links.size());
+    if (const pugi::xml_node inertial = node.child("inertial")) readInertial(inertial, link);
+    const std::vector<pugi::xml_node> collisions = source_.children(node, "collision");
+    for (const pugi::xml_node& each : collisions) readGeometry(each, {1, 1}, link);
+    // what is seen stands for links that nothing collides with
+    if (collisions.empty())
+      for (const pugi::xml_node& each : source_.children(node, "visual")) readGeometry(each, {0, 0}, link);
+    return link;
+  }
+
+  void readInertial(pugi::xml_node node, Link& link) {
+    const Tag tag(source_, node);
+    const auto child = [&](const char* name) {
+      const pugi::xml_node found = node.child(name);
+      if (!found) tag.fail(name, "an element", "none");
+      return Tag(source_, found);
+    };
+    const Tag mass = child("mass"), inertia = child("inertia");
+    const double value = mass.needNumber("value");
+    if (value < 0) mass.fail("value", "a mass of at least 0 [kg]", std::to_string(value));
+    const std::array<double, 6> tensor{inertia.needNumber("ixx"), inertia.needNumber("iyy"),
+                                       inertia.needNumber("izz"), inertia.number("ixy", 0),
+                                       inertia.number("ixz", 0),  inertia.number("iyz", 0)};
+    const Pose origin = originOf(node);
+    if (value > 0) link.mass = placed(sumsOfTensor(value, tensor), origin.p, origin.q, 1);
+  }
+
+  void readGeometry(pugi::xml_node node, const Contact& contact, Link& link) {
+    const Tag tag(source_, node);
+    Geom geom;
+    geom.name = tag.name();
+    geom.place = tag.place();
+    geom.contact = contact;
+    geom.pose = originOf(node);
+    const pugi::xml_node geometry = node.child("geometry");
+    if (!geometry) tag.fail("geometry", "an element", "none");
+    source_.use(geometry);
+    for (const pugi::xml_node& shape : source_.children(geometry))
+      if (readShape(Tag(source_, shape), geom)) link.geoms.push_back(geom);
+  }
+
+  double length(const Tag& tag, const char* key) const {
+    const double value = tag.needNumber(key);
+    if (!(value > 0)) tag.fail(key, "a length above 0 [m]", std::to_string(value));
+    return value;
+  }
+
+  bool readShape(const Tag& tag, Geom& geom) {
+    const std::string type = tag.type();
+    if (type == "box") {
+      const auto size = tag.vector("size");
+      if (!size || !(std::min({size->x, size->y, size->z}) > 0))
+        tag.fail("size", "three lengths above 0 [m]", "others");
+      geom.shape = Shape::box(*size / 2);
+    } else if (type == "sphere") {
+      geom.shape = Shape::sphere(length(tag, "radius"));
+    } else if (type == "cylinder") {
+      geom.shape = Shape::cylinder(length(tag, "radius"), length(tag, "length") / 2);
+    } else if (type == "capsule") {
+      geom.shape = Shape::capsule(length(tag, "radius"), length(tag, "length") / 2);
+    } else if (type == "mesh") {
+      return readMesh(tag, geom);
+    } else {
+      report_.note(Effect::Lost, tag.place(), type, "a geometry that URDF does not have");
+      return false;
+    }
+    return true;
+  }
+
+  bool readMesh(const Tag& tag, Geom& geom) {
+    const Effect loss = geom.contact.any() ? Effect::Lost : Effect::None;
+    const std::string name = tag.need("filename");
+    const Vec3 scale = tag.vector("scale").value_or(Vec3{1, 1, 1});
+    const std::string ending = std::filesystem::path(name).extension().string();
+    if (ending == ".dae" || ending == ".DAE") {
+      report_.note(loss, tag.place(), "mesh" + inQuotes(name),
+                   "COLLADA is not read; make it an OBJ or STL file");
+      return false;
+    }
+    const std::filesystem::path file = packages_.find(name, tag.path("filename"));
+    std::vector<Vec3> points = io::readMesh(file.string()).vertices;
+    for (Vec3& point : points) point = mul(point, scale);
+    try {
+      bool reduced = false;
+      geom.shape = Shape::hull(cornersOf(points, reduced, tag.path("filename")));
+      if (loss == Effect::Lost)
+        report_.note(Effect::Approximate, tag.place(), "mesh",
+                     "the convex hull of a mesh, with at most 64 corners, takes part in contacts");
+    } catch (const Error&) {
+      report_.note(loss, tag.place(), "mesh" + inQuotes(name),
+                   "it has no convex hull (it is flat, or this build has no qhull)");
+      return false;
+    }
+    return true;
+  }
+
+  void readJoint(pugi::xml_node node, Link& link, int index) {
+    const Tag tag(source_, node);
+    const std::vector<std::string> types{"revolute", "continuous", "prismatic",
+                                         "fixed",    "floating",   "planar"};
+    tag.need("type");
+    const std::string type = types[tag.choice("type", types, 0)];
+    link.pose = originOf(node);
+    if (type == "fixed") return;
+    if (type == "floating") {
+      link.free = true;
+      report_.converted(tag.place(), tag.describe(), "free body" + inQuotes(link.name));
+      return;
+    }
+    Vec3 axis{1, 0, 0};
+    if (const pugi::xml_node found = node.child("axis")) {
+      const Tag axisTag(source_, found);
+      axis = axisTag.vector("xyz").value_or(axis);
+      if (!(rubble::length(axis) > 1e-10)) axisTag.fail("xyz", "a direction", "a vector of length 0");
+    }
+    Dof dof;
+    dof.name = tag.name();
+    dof.place = tag.place();
+    dof.axis = normalize(axis);
+    readDynamics(node, dof);
+    if (type == "planar") {
+      const Quat frame = quatOfZ(dof.axis);
+      for (const Vec3& along : {Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
+        Dof slide = dof;
+        slide.type = DofType::Slide;
+        slide.axis = rotate(frame, along);
+        link.dofs.push_back(slide);
+      }
+    } else {
+      dof.type = type == "prismatic" ? DofType::Slide : DofType::Hinge;
+      if (type != "continuous") readLimit(node, tag, dof);
+      if (node.child("mimic")) mimics_.push_back(node);
+    }
+    dofIndex_[dof.name] = {index, static_cast<int>(link.dofs.size())};
+    link.dofs.push_back(dof);
+  }
+
+  void readDynamics(const pugi::xml_node& joint, Dof& dof) {
+    const pugi::xml_node node = joint.child("dynamics");
+    if (!node) return;
+    const Tag tag(source_, node);
+    dof.drive.damping = tag.number("damping", 0);
+    dof.friction = tag.number("friction", 0);
+    if (dof.drive.damping < 0)
+      tag.fail("damping", "a number of at least 0", std::to_string(dof.drive.damping));
+    if (dof.friction < 0) tag.fail("friction", "a number of at least 0", std::to_string(dof.friction));
+  }
+
+  void readLimit(const pugi::xml_node& joint, const Tag& jointTag, Dof& dof) {
+    const pugi::xml_node node = joint.child("limit");
+    if (!node) jointTag.fail("limit", "limits (a joint without is continuous)", "none");
+    const Tag tag(source_, node);
+    dof.range = {tag.number("lower", 0), tag.number("upper", 0)};
+    if ((*dof.range)[0] > (*dof.range)[1]) tag.fail("lower", "a lower limit below the upper one", "others");
+  }
+
+  void addMimic(pugi::xml_node node) {
+    const Tag joint(source_, node), tag(source_, node.child("mimic"));
+    const std::string other = tag.need("joint");
+    const auto found = dofIndex_.find(other);
+    if (found == dofIndex_.end()) tag.fail("joint", "the name of a joint that moves", "\"" + other + "\"");
+    if (other == joint.name()) tag.fail("joint", "another joint", "itself");
+    model_.couplings.push_back({joint.name() + "_mimic", tag.place(), dofIndex_.at(joint.name()),
+                                found->second, tag.number("multiplier", 1), tag.number("offset", 0)});
+  }
+
+  Source& source_;
+  const ImportOptions& options_;
+  Report& report_;
+  Packages packages_;
+  Model model_;
+  std::map<std::string, pugi::xml_node> links_;
+  std::map<std::string, std::vector<UrdfJoint>> jointsOf_;  ///< by the name of their parent
+  std::map<std::string, bool> isChild_;
+  std::map<std::string, int> linkIndex_;
+  std::map<std::string, std::pair<int, int>> dofIndex_;
+  std::vector<pugi::xml_node> mimics_;
+};
+
+/// A file that is not expanded has elements of xacro, or expressions.
+bool isXacro(const pugi::xml_node& node) {
+  if (std::string_view(node.name()).starts_with("xacro:")) return true;
+  for (const pugi::xml_attribute& attribute : node.attributes())
+    if (std::string_view(attribute.value()).find("${") != std::string_view::npos) return true;
+  return std::any_of(node.begin(), node.end(), isXacro);
+}
+
+}  // namespace
+
+Model readUrdf(Source& source, pugi::xml_node root, const ImportOptions& options, Report& report) {
+  if (isXacro(root))
+    throw Error(report.file, "a URDF file (expand it first: xacro robot.xacro > robot.urdf)", "a xacro file");
+  source.use(root);
+  Model model = UrdfReader(source, options, report).read(root);
+  if (!options.srdf.empty()) readSrdf(source, options.srdf, model, report);
+  noteUnusedUrdf(source, report);
+  return model;
+}
+
+void readSrdf(Source& source, const std::string& file, Model& model, Report& report) {
+  const pugi::xml_node root = source.load(file, "--srdf");
+  const Tag robot(source, root);
+  if (robot.type() != "robot") throw Error(robot.path("name"), "a <robot>", "<" + robot.type() + ">");
+  robot.name();
+  const auto linkOf = [&](const Tag& tag, const char* key) {
+    const std::string name = tag.need(key);
+    const auto found = std::find_if(model.links.begin(), model.links.end(),
+                                    [&](const Link& link) { return link.name == name; });
+    if (found == model.links.end()) tag.fail(key, "the name of a link", "\"" + name + "\"");
+    return static_cast<int>(found - model.links.begin());
+  };
+  for (const pugi::xml_node& node : source.children(root, "disable_collisions")) {
+    const Tag tag(source, node);
+    model.exclusions.emplace_back(linkOf(tag, "link1"), linkOf(tag, "link2"));
+    report.converted(tag.place(), "disable_collisions", "pair of bodies that do not collide");
+  }
+}
+
+}  // namespace rubble::convert

@@ -1,0 +1,55 @@
+"""`rubble import` and `rubble run` of models."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+RUBBLE = sys.argv.pop(1)
+MODELS = pathlib.Path(__file__).resolve().parents[1] / "convert" / "models"
+
+
+def rubble(*arguments):
+    return subprocess.run([RUBBLE, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+
+
+@unittest.skipIf("pugixml" in rubble("import", MODELS / "pendulum.xml").stderr, "a build without pugixml")
+class Import(unittest.TestCase):
+    def test_a_model_becomes_a_scene_that_is_good(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "arm.json"
+            done = rubble("import", MODELS / "arm.xml", "-o", scene)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("joint.armature", done.stdout)
+            self.assertEqual(rubble("check", scene).returncode, 0)
+
+    def test_the_report_is_json_if_wanted(self):
+        done = rubble("import", MODELS / "arm.xml", "-q", "--json", "-")
+        report = json.loads(done.stdout)
+        self.assertEqual(report["format"], "MJCF")
+        self.assertFalse(report["exact"])
+        note = next(note for note in report["notes"] if note["what"] == "joint.armature")
+        self.assertEqual((note["effect"], note["file"]), ("lost", "arm.xml"))
+
+    def test_strict_refuses_what_is_not_exact(self):
+        self.assertEqual(rubble("import", MODELS / "arm.xml", "--strict").returncode, 2)
+        self.assertEqual(rubble("import", MODELS / "pendulum.xml", "--strict").returncode, 0)
+
+    def test_models_run_as_scenes_do(self):
+        for name in ("pendulum.xml", "arm.urdf"):
+            done = rubble("run", MODELS / name, "--steps", 10, "-q")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(name, done.stderr)
+
+    def test_an_import_may_run_at_once(self):
+        done = rubble("import", MODELS / "arm.xml", "-q", "--key", "reach", "--run", "--steps", 10)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_what_is_wrong_is_told_with_its_place(self):
+        done = rubble("import", MODELS / "arm.xml", "--key", "nowhere")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("--key", done.stderr)
+
+
+unittest.main()

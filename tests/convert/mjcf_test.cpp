@@ -1,0 +1,218 @@
+/// Units, defaults, frames and joints of MJCF, and what the report says.
+#include <cmath>
+#include <numbers>
+
+#include "tests/convert/model_file.h"
+
+namespace rubble {
+namespace {
+
+using convert::Effect;
+using convert::Import;
+using test::bodyNamed;
+using test::effectsOf;
+using test::importText;
+using test::jointNamed;
+using test::mjcf;
+
+constexpr double kPi = std::numbers::pi;
+
+void expectNear(const Vec3& a, const Vec3& b, double tolerance = 1e-12) {
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], tolerance) << "axis " << k;
+}
+
+TEST(Mjcf, AnglesAreDegreesUnlessTheCompilerSaysRadian) {
+  const std::string
+      body = "<body name='b' euler='0 0 90'><joint name='j' range='-90 45'/><geom size='1'/></body>";
+  const Import degrees = importText(mjcf(body));
+  EXPECT_NEAR(jointNamed(degrees, "j").axes[0].min, -kPi / 2, 1e-12);
+  EXPECT_NEAR(jointNamed(degrees, "j").axes[0].max, kPi / 4, 1e-12);
+  expectNear(rotate(bodyNamed(degrees, "b").orientation, {1, 0, 0}), {0, 1, 0});
+  const Import radians = importText(mjcf(body, "<compiler angle='radian'/>"));
+  EXPECT_NEAR(jointNamed(radians, "j").axes[0].max, 45, 1e-12);
+}
+
+TEST(Mjcf, RangesOfSlidesAreLengths) {
+  const Import model = importText(
+      mjcf("<body><joint name='j' type='slide' range='-1 2'/><geom size='1'/></body>"));
+  EXPECT_EQ(jointNamed(model, "j").type, JointType::Slider);
+  EXPECT_DOUBLE_EQ(jointNamed(model, "j").axes[0].max, 2);
+}
+
+TEST(Mjcf, LimitsAreMeasuredFromTheReferenceOfTheJoint) {
+  const Import model = importText(mjcf(
+      "<body><joint name='j' range='0 90' ref='30' springref='60' stiffness='2'/><geom size='1'/></body>"));
+  const JointAxis& axis = jointNamed(model, "j").axes[0];
+  EXPECT_NEAR(axis.min, -kPi / 6, 1e-12);
+  EXPECT_NEAR(axis.max, kPi / 3, 1e-12);
+  EXPECT_NEAR(axis.targetPosition, kPi / 6, 1e-12);
+  EXPECT_DOUBLE_EQ(axis.driveStiffness, 2);
+}
+
+TEST(Mjcf, ElementsTakeDefaultsOfTheirClassAndItsParents) {
+  const Import model = importText(
+      mjcf("<body name='a' childclass='heavy'><freejoint/><geom/></body>"
+           "<body name='b' pos='9 0 0'><freejoint/><geom class='heavy' density='1'/></body>"
+           "<body name='c' pos='18 0 0'><freejoint/><geom/></body>",
+           "<default><geom type='box' size='.5 .5 .5'/>"
+           "<default class='heavy'><geom density='2000'/></default></default>"));
+  EXPECT_NEAR(*bodyNamed(model, "a").mass, 2000, 1e-9);
+  EXPECT_NEAR(*bodyNamed(model, "b").mass, 1, 1e-12);
+  EXPECT_NEAR(*bodyNamed(model, "c").mass, 1000, 1e-9);
+}
+
+TEST(Mjcf, FramesMoveWhatIsInThem) {
+  const Import model = importText(
+      mjcf("<frame pos='1 2 3' euler='0 0 90'><body name='b' pos='1 0 0'><joint name='j' "
+           "axis='1 0 0'/><geom size='1'/></body></frame>"));
+  expectNear(bodyNamed(model, "b").position, {1, 3, 3});
+  const JointDef& joint = jointNamed(model, "j");
+  expectNear(rotate(joint.frameB, {1, 0, 0}), {0, 1, 0});
+}
+
+TEST(Mjcf, ReplicateMakesCopiesWithNumberedNames) {
+  const Import model = importText(
+      mjcf("<replicate count='11' offset='1 0 0' sep='-'><body name='b'><freejoint/>"
+           "<geom size='.1'/></body></replicate>"));
+  EXPECT_EQ(model.file.scene.bodies.size(), 11u);
+  expectNear(bodyNamed(model, "b-03").position, {3, 0, 0});
+  expectNear(bodyNamed(model, "b-10").position, {10, 0, 0});
+}
+
+TEST(Mjcf, BodiesWithoutJointsBecomePartOfTheirParent) {
+  const Import model = importText(
+      mjcf("<body name='a'><freejoint/><geom type='box' size='.5 .5 .5'/><body name='b' "
+           "pos='2 0 0'><geom type='box' size='.5 .5 .5'/></body></body>"));
+  ASSERT_EQ(model.file.scene.bodies.size(), 1u);
+  EXPECT_NEAR(*model.file.scene.bodies[0].mass, 2000, 1e-9);
+  const MassProperties mass = massProperties(model.file.scene.bodies[0].shape, 1);
+  expectNear(mass.center, {1, 0, 0});
+}
+
+TEST(Mjcf, AnInertialGivesCenterAndAxesOfItsBody) {
+  const Import model = importText(
+      mjcf("<body name='a' pos='0 0 5'><freejoint/><geom size='.1'/><inertial pos='.1 .2 .3' "
+           "mass='4' diaginertia='1 2 2.5' euler='0 0 90'/></body>"));
+  const MassProperties mass = massProperties(bodyNamed(model, "a").shape, 1);
+  EXPECT_NEAR(mass.mass, 4, 1e-12);
+  expectNear(mass.center, {.1, .2, .3});
+  // the first axis is now along y
+  const Vec3 y = rotateInverse(mass.axes, {0, 1, 0});
+  EXPECT_NEAR(dot(y, mul(mass.inertia, y)), 1, 1e-9);
+}
+
+TEST(Mjcf, TwoHingesOfOneBodyAreOneJointWithTwoFreeAxes) {
+  const Import model = importText(
+      mjcf("<body><joint name='u' axis='1 0 0' range='-10 20'/><joint name='v' axis='0 1 0' "
+           "range='-30 40'/><geom size='1'/></body>"));
+  const JointDef& joint = jointNamed(model, "u+v");
+  EXPECT_EQ(joint.type, JointType::SixDof);
+  EXPECT_NEAR(joint.axes[3].max, 40 * kPi / 180, 1e-12);
+  EXPECT_NEAR(joint.axes[5].max, 20 * kPi / 180, 1e-12);
+  for (const std::size_t i : {0u, 1u, 2u, 4u}) EXPECT_EQ(joint.axes[i].min, joint.axes[i].max) << i;
+  EXPECT_EQ(model.file.scene.bodies.size(), 1u);
+}
+
+TEST(Mjcf, ASlideBehindAHingeMovesAlongItsOwnBody) {
+  const Import model = importText(
+      mjcf("<body name='b'><joint name='turn' axis='0 1 0'/><joint name='reach' type='slide' "
+           "axis='1 0 0' range='0 2'/><geom size='1'/></body>"));
+  const JointDef& joint = jointNamed(model, "turn+reach");
+  EXPECT_EQ(joint.bodyA, kWorld);
+  double least = 0, most = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    least = std::min(least, joint.axes[i].min), most = std::max(most, joint.axes[i].max);
+  EXPECT_NEAR(most - least, 2, 1e-12);
+}
+
+TEST(Mjcf, MocapBodiesAreKinematic) {
+  const Import model = importText(mjcf("<body name='m' mocap='true'><geom size='1'/></body>"));
+  EXPECT_EQ(bodyNamed(model, "m").motion, Motion::Kinematic);
+}
+
+TEST(Mjcf, GeomsCollideByContypeAndConaffinity) {
+  const Import model = importText(
+      mjcf("<geom name='floor' type='plane' size='1 1 1' contype='1' conaffinity='2'/>"
+           "<body name='a'><freejoint/><geom size='1' contype='2' conaffinity='1'/></body>"
+           "<body name='b'><freejoint/><geom size='1' contype='2' conaffinity='1'/></body>"
+           "<body name='c'><freejoint/><geom size='1' contype='0' conaffinity='0'/></body>"));
+  const auto collide = [&](const char* i, const char* j) {
+    const CollisionFilter &a = bodyNamed(model, i).filter, &b = bodyNamed(model, j).filter;
+    return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
+  };
+  EXPECT_TRUE(collide("a", "floor"));
+  EXPECT_FALSE(collide("a", "b"));
+  EXPECT_FALSE(collide("c", "floor"));
+}
+
+TEST(Mjcf, APositionActuatorIsADriveOfItsJoint) {
+  const Import model = importText(
+      mjcf("<body><joint name='j' damping='1'/><geom size='1'/></body>",
+           "<actuator><position joint='j' kp='10' kv='2' gear='3' forcerange='-5 5'/></actuator>"));
+  const JointAxis& axis = jointNamed(model, "j").axes[0];
+  EXPECT_DOUBLE_EQ(axis.driveStiffness, 90);
+  EXPECT_DOUBLE_EQ(axis.driveDamping, 19);
+  EXPECT_DOUBLE_EQ(axis.maxDriveForce, 15);
+}
+
+TEST(Mjcf, AKeyframeIsTheStartOfTheScene) {
+  const std::string text = mjcf(
+      "<body name='b' pos='0 0 1'><joint name='j' axis='0 1 0'/><geom size='.1' pos='1 0 0'/>"
+      "</body>",
+      "<keyframe><key name='up' qpos='1.5707963267948966'/></keyframe>");
+  convert::ImportOptions options;
+  options.key = "up";
+  const Import model = importText(text, "model.xml", options);
+  expectNear(rotate(bodyNamed(model, "b").orientation, {1, 0, 0}), {0, 0, -1});
+  EXPECT_NE(test::messageOf([&] {
+              options.key = "down";
+              importText(text, "model.xml", options);
+            }),
+            "");
+}
+
+TEST(Mjcf, TheReportTellsWhatIsLostWithItsLine) {
+  const Import model = importText(
+      mjcf("\n<body><joint name='j' armature='1'/>\n<geom size='1' shade='red' rgba='1 0 0 1'/>"
+           "<flexcomp/></body>"));
+  EXPECT_EQ(effectsOf(model, "joint.armature"), std::vector{Effect::Lost});
+  EXPECT_EQ(effectsOf(model, "geom.shade"), std::vector{Effect::Lost});
+  EXPECT_EQ(effectsOf(model, "geom.rgba"), std::vector{Effect::None});
+  EXPECT_EQ(effectsOf(model, "flexcomp"), std::vector{Effect::Lost});
+  for (const convert::Note& note : model.report.notes)
+    if (note.what == "geom.shade") {
+      EXPECT_EQ(note.place.line, 3);
+      EXPECT_EQ(note.place.file, "model.xml");
+    }
+  EXPECT_FALSE(model.report.exact());
+}
+
+TEST(Mjcf, AMotorIsReportedBecauseADriveHasNoPlainForce) {
+  const Import model = importText(mjcf("<body><joint name='j'/><geom size='1'/></body>",
+                                       "<actuator><motor name='m' joint='j'/></actuator>"));
+  EXPECT_EQ(effectsOf(model, "motor 'm'"), std::vector{Effect::Lost});
+}
+
+TEST(Mjcf, AModelThatIsUsedInFullIsExact) {
+  const Import model = importText(
+      mjcf("<geom type='plane' size='1 1 1'/><body pos='0 0 1'><freejoint/>"
+           "<geom type='box' size='.1 .1 .1'/></body>"));
+  EXPECT_TRUE(model.report.exact()) << convert::textOf(model.report, true);
+}
+
+TEST(Mjcf, IncludedFilesStandInPlaceOfTheirElement) {
+  const test::ModelFolder folder;
+  folder.write(
+      "parts/part.xml",
+      "<mujocoinclude><body name='b'><freejoint/>\n<geom size='1' shade='1'/></body></mujocoinclude>");
+  const Import model = convert::importModel(
+      folder.write("main.xml", mjcf("<include file='parts/part.xml'/>")));
+  EXPECT_EQ(model.file.scene.bodies.at(0).name, "b");
+  for (const convert::Note& note : model.report.notes)
+    if (note.what == "geom.shade") {
+      EXPECT_EQ(note.place.text(), "part.xml:2");
+    }
+}
+
+}  // namespace
+}  // namespace rubble

@@ -1,0 +1,130 @@
+/// The models of tests/convert/models: they import, become files, run, and survive mutation.
+#include <chrono>
+#include <cmath>
+#include <random>
+#include <sstream>
+
+#include <rubble/world.h>
+
+#include "io/scene_json.h"
+#include "tests/convert/model_file.h"
+
+namespace rubble {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kModels = fs::path(RUBBLE_SOURCE_DIR) / "tests/convert/models";
+const std::vector<std::string> kNames{
+    "pendulum.xml", "double_pendulum.xml", "fourbar.xml",  "two_hinges.xml", "reach.xml",
+    "arm.xml",      "quadruped.xml",       "humanoid.xml", "every_tag.xml",  "arm.urdf"};
+
+std::string contentOf(const fs::path& file) {
+  std::ostringstream out;
+  out << std::ifstream(file, std::ios::binary).rdbuf();
+  return out.str();
+}
+
+TEST(Models, EachIsTheSameSceneAfterAFile) {
+  for (const std::string& name : kNames) {
+    SCOPED_TRACE(name);
+    const convert::Import model = convert::importModel((kModels / name).string());
+    const std::string text = io::toJson(model.file);
+    std::vector<io::Fault> faults;
+    const io::SceneFile again = io::parseScene(text, faults);
+    EXPECT_TRUE(faults.empty()) << io::faultText(name, faults);
+    EXPECT_EQ(io::toJson(again), text);
+  }
+}
+
+TEST(Models, EachRunsAndStaysFinite) {
+  for (const std::string& name : kNames) {
+    SCOPED_TRACE(name);
+    const convert::Import model = convert::importModel((kModels / name).string());
+    WorldOptions options;
+    options.threads = 1;
+    options.params.dt = model.file.dt;
+    options.params.iterations = model.file.iterations;
+    World world(model.file.scene, options);
+    for (int step = 0; step < 60; ++step) world.step();
+    for (const BodyId id : world.bodies()) {
+      const BodyState state = world.state(id);
+      EXPECT_TRUE(std::isfinite(length(state.position) + length(state.velocity)));
+      EXPECT_LT(length(state.velocity), 50);
+    }
+    for (const JointId id : world.joints()) EXPECT_LT(world.state(id).gap, 5e-3) << world.definition(id).name;
+  }
+}
+
+/// One random change of a text.
+void mutate(std::string& text, std::mt19937& random) {
+  const auto below = [&](std::size_t n) {
+    return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
+  };
+  static const std::vector<std::string> kPieces{"-1",
+                                                "0",
+                                                "1e308",
+                                                "nan",
+                                                "\"",
+                                                "<",
+                                                ">",
+                                                "/>",
+                                                "&#0;",
+                                                "1 2 3 4 5 6 7",
+                                                "<body>",
+                                                "</body>",
+                                                "name=\"a\"",
+                                                "<joint/>",
+                                                "<geom/>",
+                                                "type=\"mesh\"",
+                                                " ",
+                                                "\xff",
+                                                "<replicate count=\"3\">",
+                                                "-"};
+  const std::size_t at = below(text.size()), count = std::min(text.size() - at, 1 + below(12));
+  switch (below(5)) {
+    case 0:
+      text.erase(at, count);
+      break;
+    case 1:
+      text.insert(at, kPieces[below(kPieces.size())]);
+      break;
+    case 2:
+      text.replace(at, count, kPieces[below(kPieces.size())]);
+      break;
+    case 3:
+      text[at] = static_cast<char>(below(256));
+      break;
+    default:
+      text.insert(below(text.size()), text.substr(at, count));
+  }
+}
+
+TEST(Models, MutatedOnesImportOrFailWithAnError) {
+  constexpr int kRounds = 3000;
+  const test::ModelFolder folder;
+  fs::copy(kModels, folder.path(), fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+  std::vector<std::string> texts;
+  for (const std::string& name : kNames) texts.push_back(contentOf(kModels / name));
+  std::mt19937 random(20240607);
+  int imported = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::size_t which = static_cast<std::size_t>(round) % kNames.size();
+    std::string text = texts[which];
+    const int changes = 1 + round % 4;
+    for (int k = 0; k < changes && !text.empty(); ++k) mutate(text, random);
+    const auto started = std::chrono::steady_clock::now();
+    try {
+      const convert::Import model = convert::importModel(folder.write(kNames[which], text));
+      EXPECT_FALSE(convert::jsonOf(model.report).empty());
+      ++imported;
+    } catch (const Error&) {
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(10)) << text;
+  }
+  EXPECT_GT(imported, kRounds / 20);
+  EXPECT_LT(imported, kRounds);
+}
+
+}  // namespace
+}  // namespace rubble

@@ -1,0 +1,286 @@
+"""Imports against MuJoCo: numbers of the models, and motion. Exit status 77 where Python has no mujoco.
+
+usage: oracle.py RUBBLE [MODEL...]"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+try:
+    import mujoco
+    import numpy as np
+except ImportError:
+    print("oracle: this Python has no mujoco")
+    sys.exit(77)
+
+MODELS = pathlib.Path(__file__).resolve().parent / "models"
+TOLERANCE = 1e-6
+problems = []
+counts = {}
+
+
+def check(what, own, theirs, scale=1.0):
+    """Notes a problem unless the numbers are the same to TOLERANCE of the scale."""
+    own, theirs = np.asarray(own, float), np.asarray(theirs, float)
+    counts[what.split(":")[0]] = counts.get(what.split(":")[0], 0) + own.size
+    if own.shape != theirs.shape or not np.all(np.abs(own - theirs) <= TOLERANCE * scale):
+        problems.append(f"{what}: {own.tolist()} here, {theirs.tolist()} in MuJoCo")
+
+
+def matrix(q):
+    out = np.zeros(9)
+    mujoco.mju_quat2Mat(out, np.asarray(q, float) / np.linalg.norm(q))
+    return out.reshape(3, 3)
+
+
+def pose_of(body):
+    """Rotation and position of a body in the world."""
+    return matrix(body.get("orientation", [1, 0, 0, 0])), np.array(body.get("position", [0, 0, 0]))
+
+
+def run(rubble, *arguments):
+    return subprocess.run([rubble, *map(str, arguments)], check=True, capture_output=True, text=True).stdout
+
+
+def simple_mass(shape, mass):
+    """Principal moments of a shape without mass properties of its own."""
+    kind = shape["type"]
+    if kind == "sphere":
+        return np.full(3, 0.4 * mass * shape["radius"] ** 2)
+    if kind == "box":
+        x, y, z = np.square(shape["size"])
+        return mass / 12 * np.array([y + z, x + z, x + y])
+    r, length = shape["radius"], shape["length"]
+    if kind == "cylinder":
+        across = mass * (r * r / 4 + length * length / 12)
+        return np.array([across, across, mass * r * r / 2])
+    cylinder, ball = np.pi * r * r * length, 4 / 3 * np.pi * r ** 3
+    density, half = mass / (cylinder + ball), length / 2
+    axial = density * (cylinder * r * r / 2 + ball * 0.4 * r * r)
+    of_ends = ball * (0.4 * r * r + half * half + 0.75 * half * r)
+    across = density * (cylinder * (r * r / 4 + half * half / 3) + of_ends)
+    return np.array([across, across, axial])
+
+
+def mass_of(body):
+    """Mass, center of mass and inertia tensor in the world."""
+    frame, at = pose_of(body)
+    given = body["shape"].get("mass_properties")
+    if given is None:
+        return body["mass"], at, frame @ np.diag(simple_mass(body["shape"], body["mass"])) @ frame.T
+    axes = frame @ matrix(given["axes"])
+    scale = body["mass"] / given["mass"]
+    return body["mass"], at + frame @ given["center"], scale * axes @ np.diag(given["inertia"]) @ axes.T
+
+
+def compare_bodies(model, data, scene, name):
+    roots = {}
+    for body in range(1, model.nbody):
+        root = model.body_weldid[body]
+        if root != 0 and model.body_mocapid[root] < 0:
+            roots.setdefault(root, []).append(body)
+    bodies = {body["name"]: body for body in scene["bodies"]}
+    moving = [b for b in scene["bodies"] if b.get("motion", "dynamic") == "dynamic" and "mass" in b]
+    theirs = sum(model.body_mass[body] for members in roots.values() for body in members)
+    check(f"{name} total mass", sum(body["mass"] for body in moving), theirs, theirs)
+    check(f"{name} number of bodies", len(moving), len(roots))
+    for root, members in roots.items():
+        own = bodies.get(model.body(root).name)
+        if own is None:
+            problems.append(f"{name}: no body {model.body(root).name}")
+            continue
+        mass = sum(model.body_mass[members])
+        center = sum(model.body_mass[b] * data.xipos[b] for b in members) / mass
+        inertia = np.zeros((3, 3))
+        for b in members:
+            axes, offset = data.ximat[b].reshape(3, 3), data.xipos[b] - center
+            inertia += axes @ np.diag(model.body_inertia[b]) @ axes.T
+            inertia += model.body_mass[b] * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+        label = f"{name} body: {model.body(root).name}"
+        own_mass, own_center, own_inertia = mass_of(own)
+        check(label.replace("body", "mass", 1), own_mass, mass, mass)
+        check(label.replace("body", "center of mass", 1), own_center, center)
+        check(label.replace("body", "inertia", 1), own_inertia, inertia, np.trace(inertia))
+        check(label.replace("body", "position", 1), pose_of(own)[1], data.xpos[root])
+        check(label.replace("body", "orientation", 1), pose_of(own)[0], data.xmat[root].reshape(3, 3))
+
+
+def joint_named(scene, name):
+    return next((j for j in scene.get("joints", []) if name in j["name"].split("+")), None)
+
+
+def frame_of(scene, joint, side):
+    """Anchor and axes of a joint in the world."""
+    anchor = np.array(joint.get("anchor_" + side, [0, 0, 0]))
+    axes = matrix(joint.get("frame_" + side, [1, 0, 0, 0]))
+    body = next((b for b in scene["bodies"] if b["name"] == joint["body_" + side]), None)
+    if body is None:
+        return anchor, axes
+    rotation, at = pose_of(body)
+    return at + rotation @ anchor, rotation @ axes
+
+
+def compare_joints(model, data, scene, name):
+    for index in range(model.njnt):
+        kind = model.jnt_type[index]
+        if kind == mujoco.mjtJoint.mjJNT_FREE:
+            continue
+        label = model.joint(index).name
+        own = joint_named(scene, label)
+        if own is None:
+            problems.append(f"{name}: no joint {label}")
+            continue
+        for side in "ab":
+            anchor, axes = frame_of(scene, own, side)
+            if kind != mujoco.mjtJoint.mjJNT_SLIDE:
+                check(f"{name} anchor: {label}", anchor, data.xanchor[index])
+        if kind == mujoco.mjtJoint.mjJNT_BALL:
+            continue
+        along = axes.T @ data.xaxis[index]
+        place = int(np.argmax(np.abs(along)))
+        check(f"{name} axis: {label}", abs(along[place]), 1)
+        single = own["type"] in ("hinge", "slider")
+        if single:
+            check(f"{name} axis of a single joint: {label}", place, 0)
+        offset = 3 if kind == mujoco.mjtJoint.mjJNT_HINGE else 0
+        axis = own.get("axes", [{}])[0 if single else place + offset]
+        swapped = own["body_a"] != model.body(model.body_weldid[model.jnt_bodyid[index]]).name
+        sign = np.sign(along[place]) * (-1 if swapped else 1)
+        low, high = axis.get("min", "free"), axis.get("max", "free")
+        check(f"{name} is limited: {label}", low != "free", bool(model.jnt_limited[index]))
+        if model.jnt_limited[index]:
+            reference = model.qpos0[model.jnt_qposadr[index]]
+            ends = [low, high] if sign > 0 else [-high, -low]
+            check(f"{name} range: {label}", ends, model.jnt_range[index] - reference)
+        dof = model.jnt_dofadr[index]
+        check(f"{name} friction: {label}", axis.get("friction", 0), model.dof_frictionloss[dof])
+        if not any(model.actuator_trnid[i, 0] == index for i in range(model.nu)):
+            damping, stiffness = np.ravel(model.dof_damping[dof])[0], np.ravel(model.jnt_stiffness[index])[0]
+            check(f"{name} damping: {label}", axis.get("drive_damping", 0), damping)
+            check(f"{name} stiffness: {label}", axis.get("drive_stiffness", 0), stiffness)
+
+
+def parts_of(body):
+    """Type, size and pose in the world of each convex primitive of a body."""
+    frame, at = pose_of(body)
+    shape = body["shape"]
+    parts = shape["parts"] if shape["type"] == "compound" else [{"shape": shape}]
+    for part in parts:
+        each = part["shape"]
+        q = part.get("orientation", [1, 0, 0, 0])
+        size = {"sphere": lambda: [each["radius"]], "box": lambda: [s / 2 for s in each["size"]],
+                "capsule": lambda: [each["radius"], each["length"] / 2],
+                "cylinder": lambda: [each["radius"], each["length"] / 2]}.get(each["type"])
+        if size:
+            yield each["type"], size(), at + frame @ part.get("position", [0, 0, 0]), frame @ matrix(q)
+
+
+def compare_geoms(model, data, scene, name):
+    own = [part for body in scene["bodies"] for part in parts_of(body)]
+    types = {mujoco.mjtGeom.mjGEOM_SPHERE: ("sphere", 1), mujoco.mjtGeom.mjGEOM_BOX: ("box", 3),
+             mujoco.mjtGeom.mjGEOM_CAPSULE: ("capsule", 2), mujoco.mjtGeom.mjGEOM_CYLINDER: ("cylinder", 2)}
+    if not np.any(model.geom_contype | model.geom_conaffinity):
+        return
+    for index in range(model.ngeom):
+        kind = types.get(mujoco.mjtGeom(model.geom_type[index]))
+        if kind is None or (model.geom_contype[index] == 0 and model.geom_conaffinity[index] == 0):
+            continue
+        label = f"{name} geom: {index}"
+        candidates = [part for part in own if part[0] == kind[0]]
+        nearest = min(candidates, default=None, key=lambda p: np.linalg.norm(p[2] - data.geom_xpos[index])
+                      + np.linalg.norm(np.subtract(p[1], model.geom_size[index][:kind[1]])))
+        if nearest is None:
+            problems.append(f"{label}: no {kind[0]}")
+            continue
+        check(label.replace("geom", "size of geom", 1), nearest[1], model.geom_size[index][:kind[1]])
+        check(label.replace("geom", "position of geom", 1), nearest[2], data.geom_xpos[index])
+        if kind[0] != "sphere":
+            z, theirs = nearest[3][:, 2], data.geom_xmat[index].reshape(3, 3)[:, 2]
+            check(label.replace("geom", "axis of geom", 1), abs(z @ theirs), 1)
+
+
+def import_scene(rubble, file, folder, *options):
+    scene = folder / (file.stem + ".json")
+    run(rubble, "import", file, "-q", "-o", scene, *options)
+    return json.loads(scene.read_text())
+
+
+def compare(rubble, file, folder):
+    if file.suffix == ".urdf":
+        # MuJoCo finds meshes beside the file only
+        text = file.read_text().replace("package://models/", "").replace("<robot", '<robot xmlns:m="x"', 1)
+        settings = '<mujoco><compiler strippath="false"/></mujoco>'
+        text = text.replace('<link name="base">', settings + '<link name="base">', 1)
+        copy = file.parent / "oracle_copy.urdf"
+        copy.write_text(text)
+        try:
+            model = mujoco.MjModel.from_xml_path(str(copy))
+        finally:
+            copy.unlink()
+    else:
+        model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    scene = import_scene(rubble, file, folder)
+    name = file.stem
+    check(f"{name} gravity", scene["gravity"], model.opt.gravity)
+    compare_bodies(model, data, scene, name)
+    compare_joints(model, data, scene, name)
+    compare_geoms(model, data, scene, name)
+
+
+def positions(rubble, scene, bodies, steps, dt, folder):
+    """Positions of the bodies after so many steps."""
+    axes = ("x_m", "y_m", "z_m")
+    scene["verdict"] = [{"metric": f"{body}.{axis}", "min": -1e9} for body in bodies for axis in axes]
+    file = folder / "moment.json"
+    file.write_text(json.dumps(scene))
+    record = json.loads(run(rubble, "run", file, "--backend", "reference", "--steps", steps, "--dt", dt,
+                            "-q", "--json", "-"))
+    metrics = {claim["metric"]: claim["value"] for claim in record["verdict"]["claims"]}
+    return np.array([[metrics[f"{body}.{axis}"] for axis in axes] for body in bodies])
+
+
+def compare_motion(rubble, name, bodies, size, folder):
+    """Largest distance from MuJoCo over two seconds, over the size of the mechanism."""
+    file = MODELS / (name + ".xml")
+    scene = import_scene(rubble, file, folder)
+    model = mujoco.MjModel.from_xml_path(str(file))
+    model.opt.timestep, model.opt.integrator = 1e-4, mujoco.mjtIntegrator.mjINT_RK4
+    model.eq_solref[:], model.eq_solimp[:, :2] = [2.5e-4, 1], 0.9999
+    data = mujoco.MjData(model)
+    dt, worst = 1 / 8000, 0.0
+    for moment in (0.25, 0.5, 1.0, 1.5, 2.0):
+        while data.time < moment - 5e-5:
+            mujoco.mj_step(model, data)
+        theirs = np.array([data.body(body).xpos for body in bodies])
+        own = positions(rubble, scene, bodies, round(moment / dt), dt, folder)
+        worst = max(worst, np.abs(own - theirs).max() / size)
+    print(f"oracle: {name}: at most {100 * worst:.3f} % from MuJoCo over 2 s")
+    if not worst < 0.01:
+        problems.append(f"{name}: {100 * worst:.2f} % from MuJoCo, at most 1 %")
+
+
+def main():
+    rubble = sys.argv[1]
+    files = [pathlib.Path(f).resolve() for f in sys.argv[2:]]
+    with tempfile.TemporaryDirectory() as path:
+        folder = pathlib.Path(path)
+        for file in files or sorted(MODELS.glob("*.xml")) + sorted(MODELS.glob("*.urdf")):
+            if not file.stem.endswith("_part"):
+                compare(rubble, file, folder)
+        if not files:
+            compare_motion(rubble, "pendulum", ["bob"], 1.0, folder)
+            compare_motion(rubble, "double_pendulum", ["upper", "lower"], 0.9, folder)
+            compare_motion(rubble, "two_hinges", ["bob"], 0.7, folder)
+            compare_motion(rubble, "reach", ["bob", "tip"], 1.0, folder)
+            compare_motion(rubble, "fourbar", ["crank", "coupler", "rocker"], 0.8, folder)
+    for problem in problems:
+        print("oracle:", problem)
+    print(f"oracle: {sum(counts.values())} numbers compared, {len(problems)} problems")
+    return 1 if problems else 0
+
+
+sys.exit(main())

@@ -1,0 +1,127 @@
+/// URDF and SRDF.
+#include <cmath>
+
+#include "tests/convert/model_file.h"
+
+namespace rubble {
+namespace {
+
+using convert::Effect;
+using convert::Import;
+using convert::ImportOptions;
+using test::bodyNamed;
+using test::importText;
+using test::jointNamed;
+using test::messageOf;
+
+const std::string kMass =
+    "<inertial><mass value='2'/><inertia ixx='.1' iyy='.1' izz='.1' ixy='0' ixz='0' iyz='0'/></inertial>";
+
+std::string twoLinks(const std::string& joint) {
+  return "<robot name='r'><link name='base'/><link name='arm'>" + kMass + "</link><joint name='j' " + joint +
+         "</joint></robot>";
+}
+const std::string kEnds = "<parent link='base'/><child link='arm'/>";
+
+TEST(Urdf, ARevoluteJointIsAHingeWithLimitsInRadians) {
+  const Import model = importText(
+      twoLinks("type='revolute'>" + kEnds +
+               "<origin xyz='0 0 1'/><axis xyz='0 1 0'/><limit lower='-1' upper='2'/>"
+               "<dynamics damping='.5' friction='.2'/>"),
+      "r.urdf");
+  const JointDef& joint = jointNamed(model, "j");
+  EXPECT_EQ(joint.type, JointType::Hinge);
+  EXPECT_DOUBLE_EQ(joint.axes[0].min, -1);
+  EXPECT_DOUBLE_EQ(joint.axes[0].max, 2);
+  EXPECT_DOUBLE_EQ(joint.axes[0].driveDamping, .5);
+  EXPECT_DOUBLE_EQ(joint.axes[0].friction, .2);
+  EXPECT_NEAR(rotate(joint.frameB, Vec3{1, 0, 0}).y, 1, 1e-12);
+  EXPECT_EQ(joint.bodyB, kWorld);
+}
+
+TEST(Urdf, TypesOfJointsHaveTheirFreedom) {
+  EXPECT_EQ(jointNamed(importText(twoLinks("type='continuous'>" + kEnds), "r.urdf"), "j").axes[0].max, kFree);
+  EXPECT_EQ(
+      jointNamed(importText(twoLinks("type='prismatic'>" + kEnds + "<limit lower='0' upper='1'/>"), "r.urdf"),
+                 "j")
+          .type,
+      JointType::Slider);
+  EXPECT_TRUE(importText(twoLinks("type='floating'>" + kEnds), "r.urdf").file.scene.joints.empty());
+  const Import planar = importText(twoLinks("type='planar'>" + kEnds + "<axis xyz='0 0 1'/>"), "r.urdf");
+  ASSERT_EQ(planar.file.scene.joints.size(), 1u);
+  int free = 0;
+  for (const JointAxis& axis : planar.file.scene.joints[0].axes) free += axis.min != axis.max;
+  EXPECT_EQ(free, 3);
+}
+
+TEST(Urdf, TheRootIsStaticUnlessTheBaseFloats) {
+  const std::string text = "<robot name='r'><link name='base'>" + kMass + "</link></robot>";
+  EXPECT_TRUE(importText(text, "r.urdf").file.scene.bodies.empty());
+  ImportOptions options;
+  options.floatingBase = true;
+  EXPECT_EQ(bodyNamed(importText(text, "r.urdf", options), "base").motion, Motion::Dynamic);
+}
+
+TEST(Urdf, AMimicIsAGear) {
+  const Import model = importText(
+      "<robot name='r'><link name='base'/><link name='a'>" + kMass + "</link><link name='b'>" + kMass +
+          "</link><joint name='ja' type='continuous'><parent link='base'/><child link='a'/></joint>"
+          "<joint name='jb' type='continuous'><parent link='base'/><child link='b'/><mimic joint='ja' "
+          "multiplier='-2'/></joint>"
+          "</robot>",
+      "r.urdf");
+  const JointDef& gear = jointNamed(model, "jb_mimic");
+  EXPECT_EQ(gear.type, JointType::Gear);
+  EXPECT_DOUBLE_EQ(gear.ratio, 2);
+}
+
+TEST(Urdf, PackagesAreFoundUpwardOrByOption) {
+  const std::string tetra = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const std::string text =
+      "<robot name='r'><link name='base'><collision><geometry>"
+      "<mesh filename='package://robot_meshes/tetra.obj'/></geometry></collision></link></robot>";
+  const test::ModelFolder folder;
+  folder.write("robot_meshes/tetra.obj", tetra);
+  EXPECT_EQ(convert::importModel(folder.write("urdf/deep/r.urdf", text)).file.scene.bodies.size(), 1u);
+  folder.write("elsewhere/tetra.obj", tetra);
+  folder.write("urdf/deep/s.urdf", std::string(text).replace(text.find("robot_meshes"), 12, "named"));
+  ImportOptions options;
+  const std::string file = (folder.path() / "urdf/deep/s.urdf").string();
+  EXPECT_NE(messageOf([&] { convert::importModel(file, options); }).find("--package"), std::string::npos);
+  options.packages["named"] = (folder.path() / "elsewhere").string();
+  EXPECT_EQ(convert::importModel(file, options).file.scene.bodies.size(), 1u);
+}
+
+TEST(Urdf, XacroHasToBeExpandedFirst) {
+  const std::string message = messageOf([] {
+    importText("<robot name='r'><xacro:property name='x' value='1'/><link name='base'/></robot>", "r.xacro");
+  });
+  EXPECT_NE(message.find("expand"), std::string::npos);
+}
+
+TEST(Urdf, SrdfExcludesPairsFromCollision) {
+  const test::ModelFolder folder;
+  const std::string ball = "<collision><geometry><sphere radius='.1'/></geometry></collision></link>";
+  const std::string urdf = folder.write(
+      "r.urdf",
+      "<robot name='r'><link name='base'/><link name='a'>" + kMass + ball + "<link name='b'>" + kMass + ball +
+          "<joint name='ja' type='continuous'><parent link='base'/><child link='a'/></joint>"
+          "<joint name='jb' type='continuous'><parent link='base'/><child link='b'/></joint></robot>");
+  ImportOptions options;
+  options.srdf = folder.write("r.srdf", "<robot name='r'><disable_collisions link1='a' link2='b'/></robot>");
+  EXPECT_EQ(convert::importModel(urdf, options).file.scene.exclusions.size(), 1u);
+}
+
+TEST(Urdf, LinksFormOneTree) {
+  const std::string loop =
+      "<robot name='r'><link name='root'/><link name='a'/><link name='b'/>"
+      "<joint name='x' type='fixed'><parent link='a'/><child link='b'/></joint>"
+      "<joint name='y' type='fixed'><parent link='b'/><child link='a'/></joint></robot>";
+  EXPECT_NE(messageOf([&] { importText(loop, "r.urdf"); }).find("loop"), std::string::npos);
+  EXPECT_NE(
+      messageOf([] { importText("<robot name='r'><link name='a'/><link name='b'/></robot>", "r.urdf"); }),
+      "");
+}
+
+}  // namespace
+}  // namespace rubble
