@@ -137,7 +137,7 @@ void stepFinite(World& world) {
     const BodyState s = world.state(id);
     expect(isFinite(s.position) && isFinite(s.velocity) && isFinite(s.angularVelocity) &&
                std::isfinite(s.orientation.s) && isFinite(s.orientation.v),
-           "a body is not finite");
+           "body " + std::to_string(id.index) + " is not finite");
   }
   for (const Vec3& x : world.positions(world.deformables().front()))
     expect(isFinite(x), "a vertex is not finite");

@@ -212,7 +212,8 @@ void WorldScript::query() {
     case 2: {
       const Shape shape = solidShape(in_);
       const OverlapQuery overlap{shape, from, in_.rotation(), filter};
-      for (const BodyId id : world_.overlaps({&overlap, 1}).front()) expectBody(true, id);
+      const std::vector<std::vector<BodyId>> found = world_.overlaps({&overlap, 1});
+      for (const BodyId id : found.front()) expectBody(true, id);
       return;
     }
     default: {

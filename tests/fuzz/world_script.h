@@ -16,7 +16,7 @@ class WorldScript {
 
   /// Runs all commands. Ends the process where a claim about the world does not hold.
   void run();
-  /// One number for each command: the hash of the world behind it.
+  /// One number for each command: a fingerprint of the world behind it.
   const std::vector<std::uint64_t>& trace() const { return trace_; }
   /// The Errors that commands gave, by their number.
   const std::vector<std::string>& errors() const { return errors_; }
