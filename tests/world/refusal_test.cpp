@@ -149,6 +149,16 @@ TEST(Refusal, OfNumbersThatAreInfiniteInSinglePrecision) {
   expectError("rays[0].maxDistance", [&] { world.castRays({&far, 1}); });
 }
 
+TEST(Refusal, OfBodiesWhoseInertiaIsInfiniteOrZeroInSinglePrecision) {
+  World world(test::tower(1), test::options());
+  const Vec3 tip{0, 0, -2.5e14};
+  expectError("body.inertia", [&] {
+    world.addBody(test::body(Shape::hull({{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, tip}), {}));
+  });
+  expectError("body.mass", [&] { world.addBody(test::body(Shape::sphere(1e-14), {})); });
+  EXPECT_NO_THROW(world.addBody(test::body(Shape::sphere(1e-4), {0, 0, 5})));
+}
+
 TEST(Refusal, OfTargetsThatAreNotFinite) {
   Scene scene = test::tower(1);
   scene.bodies[1].motion = Motion::Kinematic;
