@@ -15,7 +15,7 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/rubbleConfig.cmake.in 
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/rubbleConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/rubbleConfig.cmake ${PROJECT_BINARY_DIR}/rubbleConfigVersion.cmake
   DESTINATION ${rubble_package_dir})
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 if(TARGET rubble_cli)
   install(TARGETS rubble_cli)
 endif()

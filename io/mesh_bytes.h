@@ -17,6 +17,8 @@ class MeshBytes {
  public:
   /// Throws Error if the file cannot be read.
   explicit MeshBytes(const std::string& file);
+  /// The content of a file of that name.
+  MeshBytes(std::string file, std::string content) : file_(std::move(file)), bytes_(std::move(content)) {}
 
   const std::string& file() const { return file_; }
   bool atEnd() const { return left() == 0; }

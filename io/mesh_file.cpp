@@ -139,20 +139,53 @@ void addPolygon(const std::vector<int>& corners, MeshFile& out) {
     out.triangles.push_back({corners[0], corners[k - 1], corners[k]});
 }
 
-MeshFile readMesh(const std::string& file) {
+namespace {
+
+enum class Format { Obj, Stl, Ply, Msh };
+
+Format formatOf(const std::string& file) {
   std::string ending = std::filesystem::path(file).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending != ".obj" && ending != ".stl" && ending != ".ply" && ending != ".msh")
-    throw Error(file, "a name that ends in .obj, .stl, .ply or .msh", "\"" + ending + "\"");
-  MeshBytes in(file);
-  MeshFile mesh = ending == ".obj"   ? readObj(in)
-                  : ending == ".stl" ? readStl(in)
-                  : ending == ".ply" ? readPly(in)
-                                     : readMsh(in);
+  if (ending == ".obj") return Format::Obj;
+  if (ending == ".stl") return Format::Stl;
+  if (ending == ".ply") return Format::Ply;
+  if (ending == ".msh") return Format::Msh;
+  throw Error(file, "a name that ends in .obj, .stl, .ply or .msh", "\"" + ending + "\"");
+}
+
+MeshFile read(MeshBytes& in, Format format) {
+  switch (format) {
+    case Format::Obj:
+      return readObj(in);
+    case Format::Stl:
+      return readStl(in);
+    case Format::Ply:
+      return readPly(in);
+    case Format::Msh:
+      return readMsh(in);
+  }
+  return {};
+}
+
+MeshFile notEmpty(MeshFile mesh, const std::string& file) {
   if (mesh.triangles.empty() && mesh.tetrahedra.empty() && mesh.lines.empty())
     throw Error(file, "triangles, tetrahedra or lines", "none");
   return mesh;
+}
+
+}  // namespace
+
+MeshFile readMesh(const std::string& file) {
+  const Format format = formatOf(file);
+  MeshBytes in(file);
+  return notEmpty(read(in, format), file);
+}
+
+MeshFile parseMesh(const std::string& name, std::string content) {
+  const Format format = formatOf(name);
+  MeshBytes in(name, std::move(content));
+  return notEmpty(read(in, format), name);
 }
 
 TetrahedronMesh tetrahedraOf(const MeshFile& mesh) {

@@ -21,6 +21,8 @@ struct MeshFile {
 /// By the ending of its name. Throws Error that names the file and the line (text) or byte (binary) of what
 /// is wrong, what was expected and what came.
 MeshFile readMesh(const std::string& file);
+/// The same of the content of a file of that name.
+MeshFile parseMesh(const std::string& name, std::string content);
 
 /// The tetrahedra of a mesh without the nodes that they do not use.
 TetrahedronMesh tetrahedraOf(const MeshFile& mesh);

@@ -160,8 +160,7 @@ class PlyReader {
         std::vector<int> corners;
         for (const double v : numbers) {
           if (!(v >= 0 && v < static_cast<double>(out_.vertices.size())))
-            fail("indices below " + std::to_string(out_.vertices.size()),
-                 std::to_string(static_cast<long long>(v)));
+            fail("indices below " + std::to_string(out_.vertices.size()), std::to_string(v));
           corners.push_back(static_cast<int>(v));
         }
         if (corners.size() < 3) fail("a face of at least three vertices", std::to_string(corners.size()));

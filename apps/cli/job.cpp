@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -31,6 +32,27 @@ scenes::Arguments parseArguments(const std::vector<std::string>& texts) {
     arguments[name] = value;
   }
   return arguments;
+}
+
+bool isNumber(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// Throws Error for a number of iterations beyond int.
+int iterationsOf(const std::string& text) {
+  int number = 0;
+  if (std::from_chars(text.data(), text.data() + text.size(), number).ec != std::errc{})
+    throw Error("--compare", fmt::format("at most {} iterations", std::numeric_limits<int>::max()), text);
+  return std::max(1, number);
+}
+
+/// Steps that take as long as the job does at its own time step.
+int stepsOf(const scenes::Job& job, double dt) {
+  const double steps = std::round(job.steps * job.dt / dt);
+  if (!(steps <= std::numeric_limits<int>::max()))
+    throw Error("--dt", fmt::format("a time step for at most {} steps", std::numeric_limits<int>::max()),
+                fmt::format("{}, which makes {}", dt, steps));
+  return std::max(1, static_cast<int>(steps));
 }
 
 Params paramsOf(const JobOptions& options, const scenes::Job& job) {
@@ -106,8 +128,8 @@ std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vecto
                 fmt::format("{}", compare.size()));
   std::vector<JobOptions> jobs(2, options);
   for (std::size_t i = 0; i < 2; ++i) {
-    if (!compare[i].empty() && compare[i].find_first_not_of("0123456789") == std::string::npos)
-      jobs[i].iterations = std::max(1, std::stoi(compare[i]));
+    if (isNumber(compare[i]))
+      jobs[i].iterations = iterationsOf(compare[i]);
     else
       jobs[i].backend = compare[i];
   }
@@ -159,8 +181,7 @@ PreparedJob prepareJob(const JobOptions& options) {
   prepared.world.backend = backend;
   prepared.world.threads = options.threads;
   prepared.world.params = paramsOf(options, prepared.job);
-  const double stepsAtDt = prepared.job.steps * prepared.job.dt / prepared.world.params.dt;
-  prepared.steps = options.steps.value_or(std::max(1, static_cast<int>(std::lround(stepsAtDt))));
+  prepared.steps = options.steps ? *options.steps : stepsOf(prepared.job, prepared.world.params.dt);
   return prepared;
 }
 

@@ -102,6 +102,16 @@ io::Image together(std::vector<io::Image> images) {
   return images.size() == 1 ? std::move(images[0]) : beside(images[0], images[1]);
 }
 
+/// A film longer than this is a slip in a number.
+constexpr double kMostFrames = 1e6;
+
+int framesIn(double time, double frameTime) {
+  const double frames = 1 + std::floor(time / frameTime + 1e-6);
+  if (!(frames <= kMostFrames))
+    throw Error("--fps, --slow", fmt::format("at most {} frames", kMostFrames), fmt::format("{}", frames));
+  return static_cast<int>(frames);
+}
+
 }  // namespace
 
 RenderResult renderFilm(const RenderOptions& options) {
@@ -130,7 +140,7 @@ RenderResult renderFilm(const RenderOptions& options) {
     throw Error("--from", fmt::format("a step before the last, {}", steps), std::to_string(options.from));
   const double frameTime = options.every > 0 ? options.every * dt : 1 / (options.fps * options.slow);
   const double begin = start + options.from * dt, end = start + steps * dt;
-  const int frames = single ? 1 : 1 + static_cast<int>(std::floor((end - begin) / frameTime + 1e-6));
+  const int frames = single ? 1 : framesIn(end - begin, frameTime);
   Progress progress(first.source().title(), single ? std::max(1, steps) : frames, options.quiet);
   RenderResult result{0, device->name()};
   if (single) {

@@ -12,27 +12,42 @@ std::string text(double a) {
 }
 std::string text(const Vec3& a) { return "(" + text(a.x) + ", " + text(a.y) + ", " + text(a.z) + ")"; }
 
-bool isFinite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+namespace {
+
+/// A larger number is refused like an infinite one: its square would be infinite in single precision.
+constexpr double kLargestNumber = 1e18;
+/// Likewise of a quaternion that is normalized.
+constexpr double kLargestNorm = 1e9;
+
+std::string bounded(const std::string& what) {
+  return what + " of at most " + text(kLargestNumber) + " in size";
+}
+
+bool isFinite(double a) { return std::fabs(a) <= kLargestNumber; }
+
+}  // namespace
+
+bool isFinite(const Vec3& a) { return isFinite(a.x) && isFinite(a.y) && isFinite(a.z); }
 
 void finite(double a, const Path& path) {
-  if (!std::isfinite(a)) throw Error(path, "a finite number", text(a));
+  if (!isFinite(a)) throw Error(path, bounded("a number"), text(a));
 }
 void finite(const Vec3& a, const Path& path) {
-  if (!isFinite(a)) throw Error(path, "three finite numbers", text(a));
+  if (!isFinite(a)) throw Error(path, bounded("three numbers"), text(a));
 }
 void finite(std::span<const double> list, const Path& path) {
   for (std::size_t i = 0; i < list.size(); ++i)
-    if (!std::isfinite(list[i])) finite(list[i], path[i]);
+    if (!isFinite(list[i])) finite(list[i], path[i]);
 }
 void finite(std::span<const Vec3> list, const Path& path) {
   for (std::size_t i = 0; i < list.size(); ++i)
     if (!isFinite(list[i])) finite(list[i], path[i]);
 }
 void positive(double a, const Path& path) {
-  if (!(a > 0) || !std::isfinite(a)) throw Error(path, "a number above 0", text(a));
+  if (!(a > 0) || !isFinite(a)) throw Error(path, bounded("a number above 0 and"), text(a));
 }
 void notNegative(double a, const Path& path) {
-  if (!(a >= 0) || !std::isfinite(a)) throw Error(path, "a number of at least 0", text(a));
+  if (!(a >= 0) || !isFinite(a)) throw Error(path, bounded("a number of at least 0 and"), text(a));
 }
 void positiveOrInfinite(double a, const Path& path) {
   if (!(a > 0)) throw Error(path, "a number above 0 or infinity", text(a));
@@ -53,8 +68,9 @@ void unit(const Quat& q, const Path& path) {
 }
 void rotation(const Quat& q, const Path& path) {
   const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
-  if (!(norm > 0) || !std::isfinite(norm))
-    throw Error(path, "a quaternion of some length", "one of norm " + text(norm));
+  if (!(norm >= 1 / kLargestNorm && norm <= kLargestNorm))
+    throw Error(path, "a quaternion of norm " + text(1 / kLargestNorm) + " to " + text(kLargestNorm),
+                "one of norm " + text(norm));
 }
 
 void material(const Material& m, const Path& path) {

@@ -112,6 +112,15 @@ RUBBLE_HD inline int lowestBit(unsigned a) {
 #endif
 }
 
+/// *p, which other threads may change meanwhile: the old value or a new one.
+RUBBLE_HD inline int atomicLoad(const int* p) {
+#if defined(__CUDA_ARCH__)
+  return *p;
+#else
+  return std::atomic_ref<int>(*const_cast<int*>(p)).load(std::memory_order_relaxed);
+#endif
+}
+
 /// *p += a; returns the old value. For counters only: the order of the additions is not fixed.
 RUBBLE_HD inline int atomicCount(int* p, int a) {
 #if defined(__CUDA_ARCH__)

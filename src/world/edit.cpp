@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cook/checks.h"
 #include "world/world_impl.h"
 
 namespace rubble {
@@ -30,13 +31,26 @@ Vec3 inertiaAlong(const Vec3& moments, const Quat& axes, const Path& path) {
   return out;
 }
 
+/// Throws Error unless single precision holds a mass or moment and its inverse.
+void requireWeight(double weight, const Path& path, const char* what) {
+  constexpr double kMost = 1e36, kLeast = 1 / kMost;
+  if (!(weight >= kLeast && weight <= kMost))
+    throw Error(path, what + (" from " + checks::text(kLeast)) + " to " + checks::text(kMost),
+                checks::text(weight));
+}
+
 /// Mass properties of a body from those of its shape at density 1.
 MassProperties massOfDefinition(const BodyDef& def, const MassProperties& unit, const Path& path) {
   if (def.motion != Motion::Dynamic) return {};
   const double density = def.mass ? *def.mass / unit.mass : def.density;
-  return {unit.mass * density,
-          def.inertia ? inertiaAlong(*def.inertia, unit.axes, path) : unit.inertia * density, unit.center,
-          unit.axes};
+  const MassProperties mass{
+      unit.mass * density, def.inertia ? inertiaAlong(*def.inertia, unit.axes, path) : unit.inertia * density,
+      unit.center, unit.axes};
+  requireWeight(mass.mass, path + ".mass", "a shape and a density that give a mass [kg]");
+  for (int axis = 0; axis < 3; ++axis)
+    requireWeight(mass.inertia[axis], path + ".inertia",
+                  "a shape and a density that give moments of inertia [kg m2]");
+  return mass;
 }
 
 template <class Id> std::string describe(Id id) {

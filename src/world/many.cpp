@@ -156,10 +156,14 @@ void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& va
          "one of each");
   expect(onDevice || !values.device, "values", "host memory", "memory of a device");
   if (!values.device)
-    for (std::int64_t k = 0; k < values.shape[0]; ++k)
-      for (int j = 0; j < numbers; ++j)
-        expect(std::isfinite(numberAt(values, k, j)), Path("values")[static_cast<std::size_t>(k)],
-               "finite numbers", "others");
+    for (std::int64_t k = 0; k < values.shape[0]; ++k) {
+      const Path list("values"), path = list[static_cast<std::size_t>(k)];
+      for (int j = 0; j < numbers; ++j) checks::finite(numberAt(values, k, j), path);
+      if (which == StateArray::Orientation)
+        checks::rotation({numberAt(values, k, 0),
+                          {numberAt(values, k, 1), numberAt(values, k, 2), numberAt(values, k, 3)}},
+                         path);
+    }
   impl_->engine->scatter(which, rows, values);
 }
 

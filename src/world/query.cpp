@@ -19,21 +19,22 @@ std::string at(const char* list, std::size_t i, const char* field) {
   return std::string(list) + "[" + std::to_string(i) + "]." + field;
 }
 
-EngineQuery filtered(EngineQuery::Kind kind, const QueryFilter& filter) {
+/// A body to ignore that is not alive, or that another one has followed in its slot, is none.
+EngineQuery filtered(EngineQuery::Kind kind, const QueryFilter& filter, const Registry& registry) {
   EngineQuery q;
   q.kind = kind;
   q.layers = filter.layers, q.mask = filter.mask;
   q.sensors = filter.sensors;
-  q.ignore = filter.ignore.index;
+  q.ignore = registry.bodies.alive(filter.ignore) ? filter.ignore.index : -1;
   return q;
 }
 
 /// Throws the Error of an invalid ray.
 void checkRay(const RayQuery& ray, std::size_t i) {
   checks::finite(ray.origin, at("rays", i, "origin"));
-  const double size = length(ray.direction);
-  if (!(size > 0) || !std::isfinite(size))
-    throw Error(at("rays", i, "direction"), "a direction", "a vector of length " + std::to_string(size));
+  checks::finite(ray.direction, at("rays", i, "direction"));
+  if (!(length(ray.direction) > 0))
+    throw Error(at("rays", i, "direction"), "a direction", "a vector of length 0");
   checks::positive(ray.maxDistance, at("rays", i, "maxDistance"));
 }
 
@@ -49,7 +50,7 @@ template <class F> void forEachIndex(std::size_t n, F&& f) {
 /// once.
 class QueryShapes {
  public:
-  explicit QueryShapes(const std::vector<CookedEntry>& known) : known_(known) {}
+  explicit QueryShapes(const Registry& registry) : registry_(registry) {}
 
   template <class Query>
   EngineQuery query(EngineQuery::Kind kind, const Query& query, const char* list, std::size_t i) {
@@ -62,7 +63,7 @@ class QueryShapes {
     probe.shape = query.shape;
     probe.position = query.position, probe.orientation = query.orientation;
     validate(probe, Path(list)[i]);
-    EngineQuery q = filtered(kind, query.filter);
+    EngineQuery q = filtered(kind, query.filter, registry_);
     q.shape = cooked(query.shape, at(list, i, "shape"));
     const BodyState state = ShapeFrame{q.shape->unit.center, q.shape->unit.axes}.toEngine(
         {query.position, normalize(query.orientation), {}, {}});
@@ -73,13 +74,14 @@ class QueryShapes {
  private:
   std::shared_ptr<const CookedShape> cooked(const Shape& shape, const Path& path) {
     if (!shape.geometry) return std::make_shared<const CookedShape>(cook(shape, path));
-    for (const std::span<const CookedEntry> entries : {std::span(known_), std::span<const CookedEntry>(own_)})
+    for (const std::span<const CookedEntry> entries :
+         {std::span(registry_.shapes), std::span<const CookedEntry>(own_)})
       if (const CookedEntry* entry = findCooked(entries, shape)) return entry->cooked;
     own_.push_back({shape, std::make_shared<const CookedShape>(cook(shape, path)), 0});
     return own_.back().cooked;
   }
 
-  const std::vector<CookedEntry>& known_;
+  const Registry& registry_;
   std::vector<CookedEntry> own_;
 };
 
@@ -87,16 +89,15 @@ class QueryShapes {
 
 std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
   const auto isValid = [](const RayQuery& ray) {
-    const double size = length(ray.direction);
-    return checks::isFinite(ray.origin) && size > 0 && std::isfinite(size) && ray.maxDistance > 0 &&
-           std::isfinite(ray.maxDistance);
+    return checks::isFinite(ray.origin) && checks::isFinite(ray.direction) && length(ray.direction) > 0 &&
+           ray.maxDistance > 0 && checks::isFinite(Vec3{ray.maxDistance, 0, 0});
   };
   std::vector<EngineQuery> queries(rays.size());
   std::atomic<bool> valid = true;
   forEachIndex(rays.size(), [&](std::size_t i) {
     const RayQuery& ray = rays[i];
     if (!isValid(ray)) valid = false;
-    queries[i] = filtered(EngineQuery::Ray, ray.filter);
+    queries[i] = filtered(EngineQuery::Ray, ray.filter, impl_->registry);
     queries[i].position = ray.origin;
     queries[i].move = ray.direction * (ray.maxDistance / length(ray.direction));
   });
@@ -116,7 +117,7 @@ std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
 
 std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
   std::vector<EngineQuery> queries;
-  QueryShapes shapesOf(impl_->registry.shapes);
+  QueryShapes shapesOf(impl_->registry);
   for (std::size_t i = 0; i < casts.size(); ++i) {
     queries.push_back(shapesOf.query(EngineQuery::Cast, casts[i], "casts", i));
     checks::finite(casts[i].displacement, at("casts", i, "displacement"));
@@ -135,7 +136,7 @@ std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
 
 std::vector<std::vector<BodyId>> World::overlaps(std::span<const OverlapQuery> shapes) {
   std::vector<EngineQuery> queries;
-  QueryShapes shapesOf(impl_->registry.shapes);
+  QueryShapes shapesOf(impl_->registry);
   for (std::size_t i = 0; i < shapes.size(); ++i)
     queries.push_back(shapesOf.query(EngineQuery::Overlap, shapes[i], "shapes", i));
   impl_->flush();
@@ -152,7 +153,7 @@ std::vector<ClosestHit> World::closestPoints(std::span<const ClosestQuery> point
   for (std::size_t i = 0; i < points.size(); ++i) {
     checks::finite(points[i].point, at("points", i, "point"));
     checks::positive(points[i].maxDistance, at("points", i, "maxDistance"));
-    EngineQuery q = filtered(EngineQuery::Closest, points[i].filter);
+    EngineQuery q = filtered(EngineQuery::Closest, points[i].filter, impl_->registry);
     q.position = points[i].point;
     q.reach = points[i].maxDistance;
     queries.push_back(q);

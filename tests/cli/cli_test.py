@@ -124,6 +124,9 @@ class Run(Case):
         self.assertAlmostEqual(record["dt"], 1 / 120)
         self.assertIn("step 60/60", self.rubble("run", self.falling(), "--dt", "0.008333333333333333").stderr)
 
+    def test_a_time_step_too_short_for_the_number_of_steps_is_refused(self):
+        self.refused("run", self.falling(steps=2000000000), "--dt", "1e-6", says="--dt")
+
     def test_quiet_says_nothing(self):
         done = self.rubble("run", self.falling(), "-q")
         self.assertEqual((done.stdout, done.stderr), ("", ""))

@@ -230,6 +230,25 @@ TEST(QueryWorld, SeesWhereTheLastStepHasPutBodies) {
   EXPECT_EQ(world.castRays(std::vector{down})[0].body, world.bodyAt(1));
 }
 
+TEST(QueryWorld, IgnoresNoOtherBodyThanTheOneThatIsNamed) {
+  Scene scene = test::emptyScene();
+  scene.bodies = {test::unitCube({0, 0, 0})};
+  World world(scene, test::options());
+  const BodyId gone = world.bodyAt(0);
+  RayQuery ray{{0, 0, 5}, {0, 0, -1}, 10, {}};
+  const auto hits = [&](BodyId ignore) {
+    ray.filter.ignore = ignore;
+    return world.castRays({&ray, 1}).front().hit;
+  };
+  EXPECT_FALSE(hits(gone));
+  EXPECT_TRUE(hits({1000000, 0}));
+  world.removeBody(gone);
+  const BodyId next = world.addBody(test::unitCube({0, 0, 0}));
+  ASSERT_EQ(next.index, gone.index);
+  EXPECT_TRUE(hits(gone));
+  EXPECT_FALSE(hits(next));
+}
+
 TEST(QueryWorld, ChangesNothing) {
   World asked(test::heap(3), test::options(4)), quiet(test::heap(3), test::options(4));
   for (int i = 0; i < 60; ++i) {

@@ -1,6 +1,7 @@
 /// Invalid input is refused with the path of the faulty field, and an Error changes nothing.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -120,6 +121,42 @@ TEST(Refusal, OfForcesAndSettingsThatAreNotFinite) {
   EXPECT_EQ(world.joints().size(), 0u);
   EXPECT_EQ(world.hash(), before);
   for (int i = 0; i < 5; ++i) EXPECT_EQ(world.step().quarantined, 0);
+}
+
+TEST(Refusal, OfNumbersThatAreInfiniteInSinglePrecision) {
+  World world(test::tower(2), test::options());
+  const BodyId body = world.bodyAt(1);
+  BodyState state = world.state(body);
+  state.velocity.x = 1e300;
+  expectError("state.velocity", [&] { world.setState(body, state); });
+  expectError("force", [&] { world.applyForce(body, {0, 0, -1e39}); });
+  for (const double size : {1e-40, 1e30}) {
+    state = world.state(body);
+    state.orientation = {size, {0, 0, 0}};
+    expectError("state.orientation", [&] { world.setState(body, state); });
+  }
+  const int row = body.index;
+  const auto scatter = [&](StateArray which, const std::array<double, 4>& numbers) {
+    const std::int64_t columns = which == StateArray::Orientation ? 4 : 3;
+    world.scatter(which, {&row, {1, 1}, {4, 4}, "<i4"},
+                  {numbers.data(), {1, columns}, {8 * columns, 8}, "<f8"});
+  };
+  expectError("values[0]", [&] { scatter(StateArray::Position, {1e40, 0, 0, 0}); });
+  expectError("values[0]", [&] { scatter(StateArray::Orientation, {0, 0, 0, 0}); });
+  expectError("values[0]", [&] { scatter(StateArray::Orientation, {0, 1e17, 0, 0}); });
+  EXPECT_NO_THROW(scatter(StateArray::Orientation, {2, 0, 0, 0}));
+  const RayQuery far{{0, 0, 5}, {0, 0, -1}, 1e300, {}};
+  expectError("rays[0].maxDistance", [&] { world.castRays({&far, 1}); });
+}
+
+TEST(Refusal, OfBodiesWhoseInertiaIsInfiniteOrZeroInSinglePrecision) {
+  World world(test::tower(1), test::options());
+  const Vec3 tip{0, 0, -2.5e14};
+  expectError("body.inertia", [&] {
+    world.addBody(test::body(Shape::hull({{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, tip}), {}));
+  });
+  expectError("body.mass", [&] { world.addBody(test::body(Shape::sphere(1e-14), {})); });
+  EXPECT_NO_THROW(world.addBody(test::body(Shape::sphere(1e-4), {0, 0, 5})));
 }
 
 TEST(Refusal, OfTargetsThatAreNotFinite) {

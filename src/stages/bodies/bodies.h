@@ -313,7 +313,7 @@ RUBBLE_HD inline void noteUnfinished(const SolverData& s, int i, const Displacem
   const Real radius = s.params[i].radius;
   const int bits = floatBits((std::sqrt(d.step2) / radius + std::sqrt(d.turn2)) / 2);
   // most bodies find a larger value already
-  if (bits > s.counters->unfinished) atomicRaise(&s.counters->unfinished, bits);
+  if (bits > atomicLoad(&s.counters->unfinished)) atomicRaise(&s.counters->unfinished, bits);
 }
 
 /// Pose and velocities of a dynamic body at the end of a step, as solved. A body stopped by CCD keeps its

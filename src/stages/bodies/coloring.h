@@ -114,7 +114,7 @@ struct FindClashes {
   }
   RUBBLE_HD static void raiseColors(const SolverData& s, int color) {
     // most bodies find a larger value already
-    if (s.counters->colors <= color) atomicRaise(&s.counters->colors, color + 1);
+    if (atomicLoad(&s.counters->colors) <= color) atomicRaise(&s.counters->colors, color + 1);
   }
 };
 

@@ -4,9 +4,13 @@
 
 namespace rubble::RUBBLE_CORE {
 
+/// Other threads may unite sets meanwhile: each parent that is read has been one.
 RUBBLE_HD inline int findRoot(const int* root, int i) {
-  while (root[i] != i) i = root[i];
-  return i;
+  for (;;) {
+    const int parent = atomicLoad(&root[i]);
+    if (parent == i) return i;
+    i = parent;
+  }
 }
 
 /// Unites the sets of a and b. The lower root wins, so the result does not depend on the order of unions.

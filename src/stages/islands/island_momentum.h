@@ -86,7 +86,7 @@ struct FindMomentumIslands {
     if (root == i || !isDynamic(s, i)) return;
     const int own = s.islandBonds[i];
     if (own != 0) atomicSet(&s.islandBonds[root], own);
-    if (const int heavy = s.islandMassLength[i]; heavy > s.islandMassLength[root])
+    if (const int heavy = s.islandMassLength[i]; heavy > atomicLoad(&s.islandMassLength[root]))
       atomicRaise(&s.islandMassLength[root], heavy);
   }
 };
@@ -95,8 +95,9 @@ struct FindMomentumIslands {
 struct NumberFreeIslands {
   static constexpr const char* kStage = "momentum";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (isDynamic(s, i)) s.islandMassLength[i] = s.islandMassLength[s.rowIsland[i]];
-    const bool leads = s.rowIsland[i] == i && (s.islandBonds[i] & kHeld) == 0;
+    const int root = s.rowIsland[i];
+    if (isDynamic(s, i) && root != i) s.islandMassLength[i] = s.islandMassLength[root];
+    const bool leads = root == i && (s.islandBonds[i] & kHeld) == 0;
     const bool isFree = leads && s.incidenceOffset[i + 1] > s.incidenceOffset[i];
     s.islandSlot[i] = isFree ? atomicCount(&s.counters->freeIslands, 1) : -1;
   }
@@ -162,7 +163,7 @@ struct MeasureMomenta {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     forEachMomentum(s, i, [](IslandSums& sums, int k, Real term) {
       const int bits = floatBits(std::fabs(term));
-      if (bits > sums.largest[k]) atomicRaise(&sums.largest[k], bits);
+      if (bits > atomicLoad(&sums.largest[k])) atomicRaise(&sums.largest[k], bits);
     });
   }
 };

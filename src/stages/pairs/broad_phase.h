@@ -59,10 +59,10 @@ struct ComputeBounds {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!place(s, i)) return;
     const Bounds& b = s.bounds[i];
-    if (int& members = s.counters->levelCount[b.level]; members <= kListedBodies)
-      list(s, b.level, atomicCount(&members, 1), i);
+    if (int* members = &s.counters->levelCount[b.level]; atomicLoad(members) <= kListedBodies)
+      list(s, b.level, atomicCount(members, 1), i);
     raiseExtents(s, b, [](int* most, int value) {
-      if (value > *most) atomicRaise(most, value);
+      if (value > atomicLoad(most)) atomicRaise(most, value);
     });
   }
   /// Stores body i as the k-th of its level.

@@ -58,10 +58,12 @@ RUBBLE_HD inline BoxGrid particleGrid(const SolverData& s) {
 /// Records which levels are in use, and their largest half extents.
 RUBBLE_HD inline void noteBox(const SolverData& s, const BoxEntry& e) {
   const int kind = e.place % kBoxKinds, level = e.place / kBoxKinds;
-  if ((s.counters->boxLevels[kind] >> level & 1) == 0) atomicSet(&s.counters->boxLevels[kind], 1 << level);
+  int* const levels = &s.counters->boxLevels[kind];
+  if ((atomicLoad(levels) >> level & 1) == 0) atomicSet(levels, 1 << level);
   for (int k = 0; k < 3; ++k) {
     const int bits = floatBits(e.half[k] * Real(1.000001));
-    if (bits > s.counters->boxHalf[kind][level][k]) atomicRaise(&s.counters->boxHalf[kind][level][k], bits);
+    int* const half = &s.counters->boxHalf[kind][level][k];
+    if (bits > atomicLoad(half)) atomicRaise(half, bits);
   }
 }
 

@@ -10,10 +10,10 @@ RUBBLE_HD inline bool isDynamicVertex(const SolverData& s, int v) {
 
 /// sum c_i (x_i - x_i^t) over the vertices of an attachment or contact [m].
 template <class Block> RUBBLE_HD Vec3 movedSum(const SolverData& s, const Block& b) {
-  // issues all loads at once
+  // issues all loads at once; another vertex than those of the block may be moving
   Vec3 moved[kPointCorners];
   RUBBLE_UNROLL
-  for (int k = 0; k < kPointCorners; ++k) moved[k] = s.vertexMoved[max(b.v[k], 0)];
+  for (int k = 0; k < kPointCorners; ++k) moved[k] = s.vertexMoved[b.v[k] >= 0 ? b.v[k] : b.v[0]];
   Vec3 sum{0, 0, 0};
   for (int k = 0; k < kPointCorners && b.v[k] >= 0; ++k) sum += b.weight[k] * moved[k];
   return sum;

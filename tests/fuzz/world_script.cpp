@@ -1,0 +1,211 @@
+#include "tests/fuzz/world_script.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "tests/fuzz/target.h"
+
+namespace rubble::fuzz {
+namespace {
+
+constexpr int kMostCommands = 64, kMostSteps = 60;
+
+WorldOptions optionsFrom(ByteSource& in, const std::string& backend, int threads) {
+  WorldOptions out;
+  out.backend = backend;
+  out.threads = threads;
+  out.params = Params::of(static_cast<Preset>(in.below(3)));
+  out.params.iterations = 1 + in.below(6);
+  out.params.substeps = 1 + in.below(2);
+  out.params.sleeping = in.flag();
+  out.params.sortInterval = in.below(4);
+  out.events = in.flag();
+  out.timings = false;
+  return out;
+}
+
+/// The ground, so that there is something to touch.
+Scene groundScene(ByteSource& in) {
+  Scene scene;
+  if (in.flag()) scene.gravity = in.vector(-20, 20);
+  BodyDef ground;
+  ground.motion = Motion::Static;
+  ground.shape = in.flag() ? Shape::box({4, 4, .5}) : Shape::plane();
+  ground.position = {0, 0, -1};
+  scene.bodies = {ground};
+  return scene;
+}
+
+bool isFinite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+bool isFinite(const BodyState& s) {
+  return isFinite(s.position) && isFinite(s.velocity) && isFinite(s.angularVelocity) &&
+         std::isfinite(s.orientation.s) && isFinite(s.orientation.v);
+}
+
+/// FNV-1a of the bits of numbers.
+class Fingerprint {
+ public:
+  void add(double a) { bits_ = (bits_ ^ std::bit_cast<std::uint64_t>(a)) * 0x100000001b3ull; }
+  void add(const Vec3& a) { add(a.x), add(a.y), add(a.z); }
+  std::uint64_t bits() const { return bits_; }
+
+ private:
+  std::uint64_t bits_ = 0xcbf29ce484222325ull;
+};
+
+/// Of all that is seen of a world. World::hash() of two worlds is the same only where the compiler clears the
+/// padding of structs.
+std::uint64_t fingerprintOf(const World& world) {
+  Fingerprint out;
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_clear_padding)
+  out.add(std::bit_cast<double>(world.hash()));
+#endif
+#endif
+  for (const BodyId id : world.bodies()) {
+    const BodyState s = world.state(id);
+    out.add(s.position), out.add(s.orientation.s), out.add(s.orientation.v);
+    out.add(s.velocity), out.add(s.angularVelocity);
+  }
+  for (const DeformableId id : world.deformables()) {
+    for (const Vec3& x : world.positions(id)) out.add(x);
+    for (const Vec3& v : world.velocities(id)) out.add(v);
+  }
+  return out.bits();
+}
+
+}  // namespace
+
+WorldScript::WorldScript(std::span<const std::uint8_t> bytes, const std::string& backend, int threads)
+    : in_(bytes), options_(optionsFrom(in_, backend, threads)), world_(groundScene(in_), options_) {
+  alive_.bodies = world_.bodies();
+}
+
+void WorldScript::run() {
+  for (int i = 0; i < kMostCommands && !in_.atEnd() && steps_ < kMostSteps; ++i) {
+    const Alive before = alive_;
+    const std::size_t errors = errors_.size();
+    const std::uint64_t hash = world_.hash();
+    try {
+      command();
+    } catch (const Error& error) {
+      errors_.push_back(std::to_string(i) + " " + error.what());
+      alive_ = before;
+    }
+    trace_.push_back(fingerprintOf(world_));
+    if (errors_.size() > errors)
+      expect(world_.hash() == hash, "an Error changed the world: " + errors_.back());
+    expectModel();
+  }
+  step();
+  trace_.push_back(fingerprintOf(world_));
+  expectModel();
+}
+
+void WorldScript::command() {
+  switch (in_.below(20)) {
+    case 0:
+    case 1:
+    case 2:
+      return addBodies();
+    case 3:
+    case 4:
+      return addJoint();
+    case 5:
+    case 6:
+      return addDeformable();
+    case 7:
+      return addAttachment();
+    case 8:
+      return remove();
+    case 9:
+      return setBody();
+    case 10:
+      return push();
+    case 11:
+      return changeJoint();
+    case 12:
+      return changeVertices();
+    case 13:
+      return changeSettings();
+    case 14:
+      return arrange();
+    case 15:
+      return query();
+    case 16:
+      return remember();
+    case 17:
+      return forget();
+    default:
+      for (int more = 1 + in_.below(4); more > 0; --more) step();
+  }
+}
+
+void WorldScript::step() {
+  const StepReport report = world_.step();
+  ++steps_;
+  expectHonest(report);
+  expectFinite();
+}
+
+void WorldScript::remember() {
+  if (memories_.size() < 3) memories_.push_back({world_.snapshot(), alive_, world_.hash()});
+}
+
+void WorldScript::forget() {
+  if (memories_.empty()) return;
+  const Memory& memory = memories_[static_cast<std::size_t>(in_.byte()) % memories_.size()];
+  world_.restore(memory.snapshot);
+  alive_ = memory.alive;
+  expect(world_.hash() == memory.hash, "a restored world is another one");
+}
+
+void WorldScript::noteRemoved() {
+  const auto dead = [&](auto id) { return !world_.alive(id); };
+  std::erase_if(alive_.joints, dead);
+  std::erase_if(alive_.attachments, dead);
+}
+
+void WorldScript::expectModel() {
+  expect(world_.bodies() == alive_.bodies, "other bodies are alive than were added and not removed");
+  expect(world_.joints() == alive_.joints, "other joints are alive than were added and not removed");
+  expect(world_.deformables() == alive_.deformables, "other objects are alive than were added");
+  expect(world_.attachments() == alive_.attachments, "other attachments are alive than were added");
+}
+
+void WorldScript::expectHonest(const StepReport& report) {
+  const int bodies = static_cast<int>(alive_.bodies.size());
+  int vertices = 0;
+  for (const DeformableId id : alive_.deformables) vertices += world_.vertexCount(id);
+  expect(report.bodies == bodies, "the report counts other bodies");
+  expect(report.vertices == vertices, "the report counts other vertices");
+  expect(report.manifolds >= 0 && report.pairs >= 0 && report.contacts >= report.manifolds,
+         "a touching pair of the report has no contact");
+  expect(report.brokenJoints >= static_cast<int>(report.broken.size()), "a broken joint is not counted");
+  for (const JointId id : report.broken)
+    expect(world_.alive(id) && world_.state(id).broken, "a joint that broke is not broken");
+  int sleeping = 0;
+  for (const BodyId id : alive_.bodies) sleeping += world_.asleep(id);
+  expect(report.sleepingBodies == sleeping, "the report counts other sleeping bodies");
+  expect(report.stoppedBodies <= bodies && report.quarantined >= 0, "the report counts more than there is");
+}
+
+void WorldScript::expectFinite() {
+  for (const BodyId id : alive_.bodies) expect(isFinite(world_.state(id)), "a body is not finite");
+  for (const DeformableId id : alive_.deformables) {
+    for (const Vec3& x : world_.positions(id)) expect(isFinite(x), "a vertex is not finite");
+    for (const Vec3& v : world_.velocities(id)) expect(isFinite(v), "a velocity of a vertex is not finite");
+  }
+  for (const ContactPoint& c : world_.contacts()) {
+    expect(world_.alive(c.a) && world_.alive(c.b), "a contact has a body that is not alive");
+    expect(isFinite(c.position) && isFinite(c.force) && isFinite(c.normal), "a contact is not finite");
+  }
+  for (const JointId id : alive_.joints) {
+    const JointState state = world_.state(id);
+    expect(isFinite(state.force) && isFinite(state.torque), "a force of a joint is not finite");
+  }
+  const Quality quality = world_.quality();
+  expect(std::isfinite(quality.kineticEnergy), "the energy is not finite");
+}
+
+}  // namespace rubble::fuzz
