@@ -53,7 +53,8 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
   static void expect(const SolverData& s, const Lane4& body) {
     for (const int i : body) {
       fetch(&s.target[i], sizeof(BodyTarget));
-      fetch(&s.incidence[s.incidenceOffset[i]], 4 * sizeof(Incidence));
+      // a body without constraints may stand at the end of the table
+      fetch(s.incidence + s.incidenceOffset[i], 4 * sizeof(Incidence));
     }
   }
   static void prepare(const SolverData& s, const Lane4& body) {
