@@ -15,7 +15,7 @@ struct QueryFilter {
   std::uint32_t layers = 0xffffffffu;
   std::uint32_t mask = 0xffffffffu;
   bool sensors = false;  ///< also test sensors
-  BodyId ignore;         ///< body to skip
+  BodyId ignore;         ///< body to skip; none if it is not alive
 };
 
 struct RayQuery {

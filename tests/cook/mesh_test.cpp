@@ -172,7 +172,7 @@ TEST(Mesh, RodsRefuseSegmentsTooShortToBeMeant) {
     }
   }
   EXPECT_EQ(cableAlong(points, 1e-3).vertices.size(), 10001u);
-  EXPECT_EQ(cableAlong(points, 1e300).vertices.size(), 2u);
+  EXPECT_EQ(cableAlong(points, 1e18).vertices.size(), 2u);
   EXPECT_THROW(cableAlong({{0, 0, 0}, {nan, 0, 0}}, 1), Error);
 }
 

@@ -151,10 +151,8 @@ TEST(Refusal, OfNumbersThatAreInfiniteInSinglePrecision) {
 
 TEST(Refusal, OfBodiesWhoseInertiaIsInfiniteOrZeroInSinglePrecision) {
   World world(test::tower(1), test::options());
-  const Vec3 tip{0, 0, -2.5e14};
-  expectError("body.inertia", [&] {
-    world.addBody(test::body(Shape::hull({{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, tip}), {}));
-  });
+  expectError("body.inertia", [&] { world.addBody(test::body(Shape::box({1e8, 1e8, 1e8}), {})); });
+  expectError("body.mass", [&] { world.addBody(test::body(Shape::box({1e13, 1e13, 1e13}), {})); });
   expectError("body.mass", [&] { world.addBody(test::body(Shape::sphere(1e-14), {})); });
   EXPECT_NO_THROW(world.addBody(test::body(Shape::sphere(1e-4), {0, 0, 5})));
 }

@@ -53,6 +53,7 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
   static void expect(const SolverData& s, const Lane4& body) {
     for (const int i : body) {
       fetch(&s.target[i], sizeof(BodyTarget));
+      // a body without constraints may stand at the end of the table
       fetch(s.incidence + s.incidenceOffset[i], 4 * sizeof(Incidence));
     }
   }
