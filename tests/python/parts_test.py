@@ -2,9 +2,10 @@
 import os
 import tempfile
 
+from support import Case, crate_scene, crate_world, main  # first: it skips the test where numpy is missing
+
 import numpy as np
 import rubble
-from support import Case, crate_scene, crate_world, main
 
 
 class Joints(Case):

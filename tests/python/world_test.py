@@ -4,9 +4,10 @@ import signal
 import threading
 import time
 
+from support import Case, crate_scene, crate_world, main  # first: it skips the test where numpy is missing
+
 import numpy as np
 import rubble
-from support import Case, crate_scene, crate_world, main
 
 
 class Worlds(Case):
