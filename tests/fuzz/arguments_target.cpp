@@ -1,4 +1,4 @@
-/// Command lines: the parser of the program, with subcommands that do nothing, and what makes settings of
+/// Command lines: the parser of the program, with subcommands that do not run, and what makes settings of
 /// words. Each line of the input is a word.
 #include <cmath>
 #include <sstream>
@@ -26,11 +26,14 @@ std::vector<std::string> wordsOf(std::span<const std::uint8_t> bytes) {
   return words;
 }
 
-/// Takes away what the subcommands do.
-void silence(CLI::App& app) {
+/// Thrown where a subcommand has its words and would run.
+struct Parsed {};
+
+/// Stops each subcommand before it runs. Its own callback stays, since it owns the options.
+void stopBeforeRun(CLI::App& app) {
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
-    command->callback([] {});
-    silence(*command);
+    command->parse_complete_callback([] { throw Parsed{}; });
+    stopBeforeRun(*command);
   }
 }
 
@@ -38,11 +41,12 @@ void parseAsProgram(const std::vector<std::string>& words) {
   CLI::App app;
   int status = 0;
   cli::addProgram(app, status);
-  silence(app);
+  stopBeforeRun(app);
   std::vector<const char*> argv{"rubble"};
   for (const std::string& word : words) argv.push_back(word.c_str());
   try {
     app.parse(static_cast<int>(argv.size()), argv.data());
+  } catch (const Parsed&) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0)
       expect(!cli::usageMessage(app, error).empty(), "bad usage without a message");
