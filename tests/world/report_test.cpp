@@ -92,20 +92,22 @@ TEST(StepReport, CountsBodiesWhoseSpinIsLimited) {
 TEST(Quarantine, FreezesABodyThatIsNotFiniteAndLetsTheRestGoOn) {
   Scene scene = test::tower(3);
   scene.bodies.push_back(test::unitCube({10, 0, 50}));
-  scene.bodies[2].mass = 1e-4;
+  scene.bodies.push_back(test::unitCube({-10, 0, 50}));
+  scene.bodies.back().mass = 1e-30;
   World world(scene, options(4));
   test::run(world, 10);
-  const Vec3 before = world.state(world.bodyAt(2)).position;
-  // the square of the velocity that it gives is beyond single precision
-  world.applyForce(world.bodyAt(2), {1e18, 0, 0});
+  const BodyId light = world.bodyAt(5);
+  const Vec3 before = world.state(light).position;
+  // its motion in a step is beyond single precision
+  world.applyForce(light, {1e18, 0, 0});
   EXPECT_GE(world.step().quarantined, 1);
-  EXPECT_EQ(world.state(world.bodyAt(2)).position, before);
-  EXPECT_EQ(world.state(world.bodyAt(2)).velocity, (Vec3{0, 0, 0}));
+  EXPECT_EQ(world.state(light).position, before);
+  EXPECT_EQ(world.state(light).velocity, (Vec3{0, 0, 0}));
   test::run(world, 49);
   for (const BodyId id : world.bodies())
     EXPECT_TRUE(std::isfinite(length(world.state(id).position))) << id.index;
   EXPECT_NEAR(world.state(world.bodyAt(4)).position.z, 50 - 10 * 60. * 61 / 7200, 1e-3);
-  EXPECT_NEAR(world.state(world.bodyAt(1)).position.z, .5, .02);
+  for (int k = 1; k <= 3; ++k) EXPECT_NEAR(world.state(world.bodyAt(k)).position.z, k - .5, .02);
 }
 
 }  // namespace
