@@ -7,8 +7,8 @@
 ///   Memory     state besides multipliers that is kept between steps (NoMemory, or a struct with
 ///              remember(data, a, b, origin))
 ///   kGrounded  true: its errors change when both bodies move rigidly together (it refers to the world)
-///   kHasFrameBodies   true: the axes of A and B are fixed in two further frame bodies, the frame bodies (optional;
-///              gears and racks)
+///   kHasFrameBodies   true: the axes of A and B are fixed in two further bodies, the frame bodies
+///              (optional; gears and racks)
 ///   kChooses   true: its parts are activated step by step (optional): choose(spec, joint, a, b, bodies)
 ///              decides, Memory::takesPart(part) tells
 ///

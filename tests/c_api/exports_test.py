@@ -1,4 +1,6 @@
-"""The shared library exports the functions of the headers and nothing else. Arguments: library, folder of the headers."""
+"""The shared library exports the functions of the headers and nothing else.
+
+Arguments: library, folder of the headers."""
 import pathlib
 import re
 import subprocess
@@ -6,11 +8,13 @@ import sys
 
 library, headers = sys.argv[1:]
 try:
-    listed = subprocess.run(["nm", "-D", "--defined-only", library], check=True, capture_output=True, text=True)
+    listed = subprocess.run(["nm", "-D", "--defined-only", library], check=True, capture_output=True,
+                            text=True)
 except FileNotFoundError:
     print("skipped: nm is missing")
     sys.exit(77)
-exported = {line.split()[2].split("@")[0] for line in listed.stdout.splitlines() if line.split()[1] in "TDBRVW"}
+rows = [line.split() for line in listed.stdout.splitlines()]
+exported = {name.split("@")[0] for _, kind, name in rows if kind in "TDBRVW"}
 texts = [path.read_text(encoding="utf-8") for path in pathlib.Path(headers).glob("*.h")]
 declared = {name for text in texts for name in re.findall(r"RB_API [\w \*]+?\b(rb_\w+)\(", text)}
 for name in sorted(declared - exported):

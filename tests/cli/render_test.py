@@ -91,7 +91,8 @@ class Render(Case):
             self.assertEqual(self.png_size("c.png"), (164, 48))
         self.refused("render", self.scene(), "-o", self.path("c.png"), "--compare", "1,2,3", says="--compare")
         self.refused("render", self.scene(), "-o", self.path("c.png"), "--compare", "cpu,abacus", says="abacus")
-        self.refused("render", self.scene(), "-o", self.path("c.png"), "--compare", "1,99999999999", says="--compare")
+        self.refused("render", self.scene(), "-o", self.path("c.png"), "--compare", "1,99999999999",
+                     says="--compare")
 
     def test_every_camera(self):
         pictures = set()
@@ -140,7 +141,8 @@ class Render(Case):
         self.refused("render", self.scene(), says="--out")
         self.refused("render", self.scene(), "-o", self.path("film.txt"), says=".mp4")
         self.refused("render", self.scene(), "-o", "/nowhere/at/all.png", "--size", "64x36", "--steps", "1", "--samples", "1", says="/nowhere")
-        self.refused("render", self.scene(), "-o", self.path("%05d.png"), "--fps", "1000", "--slow", "1000", "--steps", "600",
+        self.refused("render", self.scene(), "-o", self.path("%05d.png"), "--fps", "1000", "--slow", "1000",
+                     "--steps", "600",
                      "--size", "64x36", says="--fps")
 
 

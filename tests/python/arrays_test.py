@@ -34,7 +34,8 @@ class Arrays(Case):
     def test_a_view_is_made_anew_when_bodies_come(self):
         world = crate_world()
         before, epoch = world.positions, world.epoch
-        bodies = world.bodies.add_many([{"shape": rubble.sphere(0.1), "position": [k, 0, 9]} for k in range(50)])
+        more = [{"shape": rubble.sphere(0.1), "position": [k, 0, 9]} for k in range(50)]
+        bodies = world.bodies.add_many(more)
         self.assertNotEqual(world.epoch, epoch)
         self.assertIsNot(world.positions, before)
         self.assertNear(world.positions[bodies[-1].index], (49, 0, 9))

@@ -22,7 +22,8 @@ class Scenes(Case):
             self.assertEqual(rubble.Scene.load(file).to_json(), scene.to_json())
 
     def test_an_invalid_field_is_named_with_what_was_expected_and_found(self):
-        error = self.assertInvalid("bodies[2].mass", lambda: crate_scene().add_body(rubble.sphere(1), mass=-1))
+        error = self.assertInvalid("bodies[2].mass",
+                                   lambda: crate_scene().add_body(rubble.sphere(1), mass=-1))
         self.assertEqual(error.expected, "a mass above 0 [kg]")
         self.assertEqual(error.found, "-1")
         self.assertEqual(f"{type(error).__module__}.{type(error).__name__}", "rubble.Error")
@@ -36,7 +37,8 @@ class Scenes(Case):
 
     def test_names_and_indices_refer_to_bodies_that_were_added_before(self):
         scene = crate_scene()
-        error = self.assertInvalid("joints[0].body_a", lambda: scene.add_joint("ball", "crat", anchor=(0, 0, 0)))
+        error = self.assertInvalid("joints[0].body_a",
+                                   lambda: scene.add_joint("ball", "crat", anchor=(0, 0, 0)))
         self.assertIn("crate", error.found)
         self.assertEqual(scene.add_joint("ball", 1, anchor=(0, 0, 3)), 0)
 
