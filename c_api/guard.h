@@ -81,6 +81,14 @@ template <class T> void give(std::vector<T>& kept, const T** list, std::int64_t*
   need(count, "count") = static_cast<std::int64_t>(kept.size());
 }
 
+/// The same for ids.
+template <class T, class Id>
+void giveIds(std::vector<T>& kept, const std::vector<Id>& ids, const T** list, std::int64_t* count) {
+  kept.clear();
+  for (const Id id : ids) kept.push_back(idOf(id));
+  give(kept, list, count);
+}
+
 rb_mass toC(const MassProperties& mass);
 rb_body_state toC(const BodyState& state);
 BodyState fromC(const rb_body_state& state);

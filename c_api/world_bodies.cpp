@@ -17,10 +17,8 @@ rb_status rb_world_add_body(rb_world* world, const char* json, rb_body_id* body)
 
 rb_status rb_world_add_bodies(rb_world* world, const char* json, const rb_body_id** bodies, int64_t* count) {
   return guarded([&] {
-    need(world, "world").added.clear();
-    for (const BodyId id : worldOf(world).addBodies(io::parseBodies(textOr(json, ""))))
-      world->added.push_back(idOf(id));
-    give(world->added, bodies, count);
+    giveIds(need(world, "world").added, worldOf(world).addBodies(io::parseBodies(textOr(json, ""))), bodies,
+            count);
   });
 }
 
@@ -37,11 +35,7 @@ int32_t rb_world_body_alive(const rb_world* world, rb_body_id body) {
 }
 
 rb_status rb_world_bodies(rb_world* world, const rb_body_id** bodies, int64_t* count) {
-  return guarded([&] {
-    need(world, "world").bodies.clear();
-    for (const BodyId id : worldOf(world).bodies()) world->bodies.push_back(idOf(id));
-    give(world->bodies, bodies, count);
-  });
+  return guarded([&] { giveIds(need(world, "world").bodies, worldOf(world).bodies(), bodies, count); });
 }
 
 rb_status rb_world_find_body(const rb_world* world, const char* name, rb_body_id* body) {

@@ -59,11 +59,7 @@ int32_t rb_world_joint_alive(const rb_world* world, rb_joint_id joint) {
 }
 
 rb_status rb_world_joints(rb_world* world, const rb_joint_id** joints, int64_t* count) {
-  return guarded([&] {
-    need(world, "world").joints.clear();
-    for (const JointId id : worldOf(world).joints()) world->joints.push_back(idOf(id));
-    give(world->joints, joints, count);
-  });
+  return guarded([&] { giveIds(need(world, "world").joints, worldOf(world).joints(), joints, count); });
 }
 
 rb_status rb_world_find_joint(const rb_world* world, const char* name, rb_joint_id* joint) {

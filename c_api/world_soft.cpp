@@ -30,11 +30,8 @@ int32_t rb_world_deformable_alive(const rb_world* world, rb_deformable_id object
 }
 
 rb_status rb_world_deformables(rb_world* world, const rb_deformable_id** objects, int64_t* count) {
-  return guarded([&] {
-    need(world, "world").deformables.clear();
-    for (const DeformableId id : worldOf(world).deformables()) world->deformables.push_back(idOf(id));
-    give(world->deformables, objects, count);
-  });
+  return guarded(
+      [&] { giveIds(need(world, "world").deformables, worldOf(world).deformables(), objects, count); });
 }
 
 rb_status rb_world_find_deformable(const rb_world* world, const char* name, rb_deformable_id* object) {
@@ -128,11 +125,8 @@ int32_t rb_world_attachment_alive(const rb_world* world, rb_attachment_id attach
 }
 
 rb_status rb_world_attachments(rb_world* world, const rb_attachment_id** attachments, int64_t* count) {
-  return guarded([&] {
-    need(world, "world").attachments.clear();
-    for (const AttachmentId id : worldOf(world).attachments()) world->attachments.push_back(idOf(id));
-    give(world->attachments, attachments, count);
-  });
+  return guarded(
+      [&] { giveIds(need(world, "world").attachments, worldOf(world).attachments(), attachments, count); });
 }
 
 rb_status rb_world_attachment_state(const rb_world* world, rb_attachment_id attachment,

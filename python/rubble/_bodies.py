@@ -32,6 +32,7 @@ class Element:
     """A body, joint or other object of a world: a stable id that goes stale when the object is removed."""
 
     __slots__ = ("_world", "_id")
+    _kind: str  #: in the names of the functions of the C library
 
     def __init__(self, world: "World", id: Any) -> None:
         self._world, self._id = world, id
@@ -46,6 +47,17 @@ class Element:
         """Slot and generation."""
         return (self._id.index, self._id.generation)
 
+    def _function(self, pattern: str) -> Any:
+        return getattr(lib, pattern.format(self._kind))
+
+    @property
+    def alive(self) -> bool:
+        return bool(self._function("rb_world_{}_alive")(self._world._pointer, self._id))
+
+    def remove(self) -> None:
+        """Removes the object and what depends on it: joints of a body, attachments of a deformable object."""
+        check(self._function("rb_world_remove_{}")(self._world._pointer, self._id))
+
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and other._world is self._world and other.id == self.id
 
@@ -53,10 +65,26 @@ class Element:
         return hash((type(self), self.id))
 
 
-class Body(Element):
+class NamedElement(Element):
+    """An element that has a name and a definition."""
+
+    __slots__ = ()
+
+    @property
+    def name(self) -> str:
+        return text_of(self._function("rb_world_{}_name"), self._world._pointer, self._id)
+
+    @property
+    def definition(self) -> dict[str, Any]:
+        """As in a scene file; bodies of a joint are those of `bodies`."""
+        return json_of(self._function("rb_world_{}_definition"), self._world._pointer, self._id)
+
+
+class Body(NamedElement):
     """A body of a running world. Reading and writing throws `Error` once it is removed."""
 
     __slots__ = ()
+    _kind = "body"
 
     def _read(self) -> _abi.BodyState:
         out = _abi.BodyState()
@@ -135,15 +163,6 @@ class Body(Element):
         return Joint(self._world, out)
 
     @property
-    def name(self) -> str:
-        return text_of(lib.rb_world_body_name, self._world._pointer, self._id)
-
-    @property
-    def definition(self) -> dict[str, Any]:
-        """As in a scene file."""
-        return json_of(lib.rb_world_body_definition, self._world._pointer, self._id)
-
-    @property
     def mass_properties(self) -> Mass:
         """Mass [kg], principal moments [kg m2], center of mass [m] and principal axes in the shape frame."""
         out = _abi.Mass()
@@ -161,10 +180,6 @@ class Body(Element):
         out = _abi.ContactLoad()
         check(lib.rb_world_contact_load(self._world._pointer, self._id, ctypes.byref(out)))
         return ContactLoad(np.array(out.force), np.array(out.torque), out.residual, out.points)
-
-    @property
-    def alive(self) -> bool:
-        return bool(lib.rb_world_body_alive(self._world._pointer, self._id))
 
     @property
     def asleep(self) -> bool:

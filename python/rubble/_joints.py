@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Sequence
 import numpy as np
 
 from . import _abi
-from ._bodies import Body, Collection, Element, Vector, id_of
-from ._library import check, encode, json_of, lib, text_of, vector
+from ._bodies import Body, Collection, NamedElement, Vector, id_of
+from ._library import check, encode, lib, vector
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -44,25 +44,17 @@ class JointState(NamedTuple):
                    bool(state.broken))
 
 
-class Joint(Element):
+class Joint(NamedElement):
     """A joint of a running world."""
 
     __slots__ = ()
+    _kind = "joint"
 
     @property
     def state(self) -> JointState:
         out = _abi.JointState()
         check(lib.rb_world_joint_state(self._world._pointer, self._id, ctypes.byref(out)))
         return JointState.of(out)
-
-    @property
-    def name(self) -> str:
-        return text_of(lib.rb_world_joint_name, self._world._pointer, self._id)
-
-    @property
-    def definition(self) -> dict[str, Any]:
-        """As in a scene file; bodies are those of `bodies`."""
-        return json_of(lib.rb_world_joint_definition, self._world._pointer, self._id)
 
     @property
     def bodies(self) -> tuple[Optional[Body], Optional[Body]]:
@@ -102,13 +94,6 @@ class Joint(Element):
     def drag_to(self, point: Vector) -> None:
         """Moves the target of a drag joint to a world point [m]."""
         check(lib.rb_world_set_drag_target(self._world._pointer, self._id, vector(point, "point")))
-
-    @property
-    def alive(self) -> bool:
-        return bool(lib.rb_world_joint_alive(self._world._pointer, self._id))
-
-    def remove(self) -> None:
-        check(lib.rb_world_remove_joint(self._world._pointer, self._id))
 
     def __repr__(self) -> str:
         if not self.alive:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Sequence
 import numpy as np
 
 from . import _abi
-from ._bodies import Body, Collection, Element, Vector, id_of
+from ._bodies import Body, Collection, Element, NamedElement, Vector, id_of
 from ._joints import JointState
-from ._library import check, encode, json_of, lib, list_of, matrix, text_of, vector
+from ._library import check, encode, json_of, lib, list_of, matrix, vector
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -31,10 +31,11 @@ class Surface(NamedTuple):
     spheres: bool  #: each vertex is rendered as a sphere
 
 
-class Deformable(Element):
+class Deformable(NamedElement):
     """A deformable object of a running world: solid, cloth, cable, net or particles."""
 
     __slots__ = ()
+    _kind = "deformable"
 
     def _numbers(self, function: Any, columns: int) -> np.ndarray:
         count = len(self)
@@ -94,23 +95,6 @@ class Deformable(Element):
         function = lib.rb_world_vertex_solver_states
         return list_of(function, _abi.SolverState, self._world._pointer, self._id)
 
-    @property
-    def name(self) -> str:
-        return text_of(lib.rb_world_deformable_name, self._world._pointer, self._id)
-
-    @property
-    def definition(self) -> Definition:
-        """As in a scene file."""
-        return json_of(lib.rb_world_deformable_definition, self._world._pointer, self._id)
-
-    @property
-    def alive(self) -> bool:
-        return bool(lib.rb_world_deformable_alive(self._world._pointer, self._id))
-
-    def remove(self) -> None:
-        """Removes the object and its attachments."""
-        check(lib.rb_world_remove_deformable(self._world._pointer, self._id))
-
     def __repr__(self) -> str:
         if not self.alive:
             return f"<rubble.Deformable {self.index} removed>"
@@ -137,6 +121,7 @@ class Attachment(Element):
     """A constraint between vertices and a body, the world, or other vertices."""
 
     __slots__ = ()
+    _kind = "attachment"
 
     @property
     def state(self) -> JointState:
@@ -153,13 +138,6 @@ class Attachment(Element):
         return (Deformable(self._world, copy[0]),
                 Deformable(self._world, copy[1]) if copy[1].index >= 0 else None,
                 Body(self._world, copy[2]) if copy[2].index >= 0 else None, np.array(out.anchor))
-
-    @property
-    def alive(self) -> bool:
-        return bool(lib.rb_world_attachment_alive(self._world._pointer, self._id))
-
-    def remove(self) -> None:
-        check(lib.rb_world_remove_attachment(self._world._pointer, self._id))
 
     def __repr__(self) -> str:
         return f"<rubble.Attachment {self.index}{'' if self.alive else ' removed'}>"
