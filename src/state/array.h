@@ -14,9 +14,7 @@
 #define RUBBLE_ASSERT(condition) \
   ((condition) ? void() : ::rubble::assertionFailed(#condition, __FILE__, __LINE__))
 /// Asserts that `fault`, an expression of a string, is empty.
-#define RUBBLE_ASSERT_NONE(fault)                    \
-  if (const std::string text = fault; !text.empty()) \
-  ::rubble::assertionFailed(text.c_str(), __FILE__, __LINE__)
+#define RUBBLE_ASSERT_NONE(fault) ::rubble::assertNone(fault, __FILE__, __LINE__)
 #else
 #define RUBBLE_ASSERT(condition) static_cast<void>(0)
 #define RUBBLE_ASSERT_NONE(fault) static_cast<void>(0)
@@ -30,6 +28,9 @@ namespace rubble {
   std::abort();
 }
 
+inline void assertNone(const std::string& fault, const char* file, int line) {
+  if (!fault.empty()) assertionFailed(fault.c_str(), file, line);
+}
 [[noreturn]] inline void indexFailed(std::ptrdiff_t index, std::ptrdiff_t length) {
   std::fprintf(stderr, "index %td of an array of %td elements\n", index, length);
   std::abort();

@@ -147,6 +147,7 @@ void setJointCount(HostTables& tables, int type, int ids) {
 }
 
 void editJoint(HostTables& tables, int slot, const EngineJoint& joint) {
+  RUBBLE_ASSERT(slot >= 0 && slot < tables.view().joints[static_cast<int>(joint.type)]);
   withJointType(joint.type, [&]<class F>() { editJointOf<F>(tables, slot, joint); });
 }
 

@@ -86,6 +86,7 @@ void setBodyCount(HostTables& tables, int ids) {
 
 void setBody(HostTables& tables, int slot, const EngineBody& body) {
   SolverData& s = tables.view();
+  RUBBLE_ASSERT(slot >= 0 && slot < s.bodies);
   BodyParams& p = s.params[slot];
   p.shape = shapeData(body.shape);
   const auto kind = static_cast<BodyKind>(body.kind);
