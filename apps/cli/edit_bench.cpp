@@ -20,6 +20,8 @@ double msSince(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
+constexpr int kManyRays = 100000;
+
 /// A world whose edits leave the scene as it is, so that all steps do the same work.
 struct EditedWorld {
   explicit EditedWorld(const PreparedJob& job) : world(job.job.scene, job.world), params(world.params()) {
@@ -53,6 +55,7 @@ struct EditedWorld {
   JointId dragJoint;
   int turn = 0;
   std::vector<RayQuery> rays;
+  std::vector<RayHit> hits = std::vector<RayHit>(kManyRays);
 };
 
 struct EditCase {
@@ -60,8 +63,6 @@ struct EditCase {
   const char* what;
   std::function<void(EditedWorld&)> edit;
 };
-
-constexpr int kManyRays = 100000;
 
 const std::vector<EditCase>& editCases() {
   static const std::vector<EditCase> cases = {
@@ -96,7 +97,7 @@ const std::vector<EditCase>& editCases() {
        [](EditedWorld& w) {
          w.world.castRays({&w.rays[static_cast<std::size_t>(w.turn)], 1});
        }},
-      {"rays", "100,000 rays", [](EditedWorld& w) { w.world.castRays(w.rays); }},
+      {"rays", "100,000 rays", [](EditedWorld& w) { w.world.castRays(w.rays, w.hits); }},
   };
   return cases;
 }

@@ -252,6 +252,8 @@ class World {
   void wake(BodyId id);
   // Batched queries (query.h).
   std::vector<RayHit> castRays(std::span<const RayQuery> rays);
+  /// The same without an allocation. `hits`: as many as rays.
+  void castRays(std::span<const RayQuery> rays, std::span<RayHit> hits);
   std::vector<CastHit> castShapes(std::span<const CastQuery> casts);
   std::vector<std::vector<BodyId>> overlaps(
       std::span<const OverlapQuery> shapes);  ///< bodies of each query, by slot

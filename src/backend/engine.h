@@ -54,9 +54,11 @@ class Engine {
 
   /// Up to date, with all edits, until the next other call. `id`: the body, for Fetch::Body.
   virtual const TableReader& read(Fetch what = Fetch::All, int id = -1) = 0;
-  virtual std::vector<EngineHit> query(std::span<const EngineQuery> queries) = 0;
-  /// Ids of the bodies that each query overlaps, ascending.
-  virtual std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) = 0;
+  /// Memory for n queries that are asked next, where the engine reads them without another copy.
+  virtual std::span<EngineQuery> queryRoom(std::size_t n) = 0;
+  /// The first hit, or the nearest body, of each query. Valid until the next query.
+  virtual std::span<const EngineHit> hits(const EngineQueries& asked) = 0;
+  virtual EngineOverlaps overlaps(const EngineQueries& asked) = 0;
 
   /// Includes all edits.
   virtual ArrayView array(StateArray which) = 0;

@@ -139,9 +139,8 @@ RUBBLE_HD inline Separation nearestOfTriangles(const PlacedAny& surface, double 
 
 }  // namespace probes
 
-/// Casts a ray from the origin along `move`. One-sided surfaces are hit from their front only.
-RUBBLE_HD inline RayImpact castRay(const PlacedAny& target, const Vec3d& move) {
-  if (isPrimitive(target.shape.kind)) return castRay(asConvex(target), {}, move);
+/// As castRay() for a shape that is not primitive.
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline RayImpact castRayAtGeneral(const PlacedAny& target, const Vec3d& move) {
   RayImpact out{rays::kNever, {}};
   if (isConvex(target.shape.kind)) {
     const double gap = kRayGap * static_cast<double>(boundingRadius(target.shape));
@@ -165,11 +164,16 @@ RUBBLE_HD inline RayImpact castRay(const PlacedAny& target, const Vec3d& move) {
   if (out.fraction <= 1 && out.n == Vec3d{}) out.n = normalize(-move);
   return out;
 }
+/// Casts a ray from the origin along `move`. One-sided surfaces are hit from their front only.
+RUBBLE_HD inline RayImpact castRay(const PlacedAny& target, const Vec3d& move) {
+  return isPrimitive(target.shape.kind) ? castRay(asConvex(target), {}, move)
+                                        : castRayAtGeneral(target, move);
+}
 
 /// Casts a convex shape along `move`; the result is within `tolerance` of the target. The normal points out
 /// of the target.
-RUBBLE_HD inline TimeOfImpact castShape(const PlacedAny& own, const Vec3d& move, const PlacedAny& target,
-                                        double tolerance) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline TimeOfImpact castShape(const PlacedAny& own, const Vec3d& move,
+                                                           const PlacedAny& target, double tolerance) {
   const auto all = [](const Vec3d&, const TimeOfImpact&) { return true; };
   const SweptMotion motion{move, {}};
   if (target.shape.kind == ShapeKind::Distance)
@@ -185,7 +189,7 @@ RUBBLE_HD inline TimeOfImpact castShape(const PlacedAny& own, const Vec3d& move,
 }
 
 /// Does a convex shape overlap another? For meshes and height fields only the surface counts.
-RUBBLE_HD inline bool overlaps(const PlacedAny& own, const PlacedAny& target) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline bool overlaps(const PlacedAny& own, const PlacedAny& target) {
   const Placed part = asConvex(own);
   if (target.shape.kind == ShapeKind::Distance) return fieldSeparation(target, own).distance <= 0;
   if (!isSurface(target.shape.kind)) return separation(part, asConvex(target)).distance <= 0;
@@ -198,7 +202,7 @@ RUBBLE_HD inline bool overlaps(const PlacedAny& own, const PlacedAny& target) {
 
 /// From the origin to the closest point of a shape. If that is beyond `reach`, the distance is any value
 /// above it.
-RUBBLE_HD inline Separation nearestPoint(const PlacedAny& target, double reach) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Separation nearestPoint(const PlacedAny& target, double reach) {
   if (target.shape.kind == ShapeKind::Distance) return probes::nearestOfField(target);
   if (isSurface(target.shape.kind)) return probes::nearestOfTriangles(target, reach);
   return separation({probes::point(), {}, {}}, asConvex(target));

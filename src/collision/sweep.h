@@ -35,15 +35,22 @@ struct ImpactRule {
   double held = 0;  ///< [m]
 };
 
-/// Does a box of half extents `reach` about x + t d contain the origin for some t in [0, limit]?
-RUBBLE_HD inline bool passes(const Vec3d& x, const Vec3d& d, const Vec3d& reach, double limit) {
+/// 1 / d by component; 0 where d is nothing.
+RUBBLE_HD inline Vec3d inverseOf(const Vec3d& d) {
+  constexpr double kNothing = 1e-290;  // its inverse is finite
+  const auto of = [](double a) { return std::fabs(a) > kNothing ? 1 / a : 0.0; };
+  return {of(d.x), of(d.y), of(d.z)};
+}
+/// Does a box of half extents `reach` about x + t d contain the origin for some t in [0, limit]? `inverse`:
+/// that of d.
+RUBBLE_HD inline bool passes(const Vec3d& x, const Vec3d& inverse, const Vec3d& reach, double limit) {
   double in = 0, out = limit;
   for (int k = 0; k < 3; ++k) {
-    if (d[k] == 0) {
+    if (inverse[k] == 0) {
       if (std::fabs(x[k]) > reach[k]) return false;
       continue;
     }
-    const double a = (-reach[k] - x[k]) / d[k], b = (reach[k] - x[k]) / d[k];
+    const double a = (-reach[k] - x[k]) * inverse[k], b = (reach[k] - x[k]) * inverse[k];
     in = max(in, min(a, b)), out = min(out, max(a, b));
   }
   return in <= out;
@@ -55,9 +62,10 @@ RUBBLE_HD inline bool passes(const Vec3d& x, const Vec3d& d, const Vec3d& reach,
 template <class Visit>
 RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s, const Vec3d& x,
                                    const Vec3d& d, const Vec3d& half, const double& limit, Visit&& visit) {
+  const Vec3d inverse = inverseOf(d);
   const auto meets = [&](const Vec3& low, const Vec3& high) {
     const Vec3d l(low), h(high);
-    return passes(x - (l + h) * .5, d, half + (h - l) * .5, limit);
+    return passes(x - (l + h) * .5, inverse, half + (h - l) * .5, limit);
   };
   const auto all = [&](const SurfaceTriangle& t) {
     visit(t);

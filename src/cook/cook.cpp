@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cook/hull.h"
+#include "cook/rounded_mass.h"
 #include "cook/shape_traits.h"
 #include "cook/solid_mass.h"
 
@@ -29,17 +30,7 @@ void addHull(CookedShape& out, const Shape& shape, const Path& path) {
   if (hull.vertices.size() > kMostVertices)
     throw Error(path + ".points", "a hull of at most " + std::to_string(kMostVertices) + " corners",
                 std::to_string(hull.vertices.size()));
-  if (shape.rounding > 0) {
-    out.unit = massProperties(shape, 1);
-  } else {
-    SolidSums sums;
-    for (const std::vector<int>& face : hull.faces)
-      for (std::size_t k = 1; k + 1 < face.size(); ++k) {
-        const auto at = [&](std::size_t i) { return hull.vertices[static_cast<std::size_t>(face[i])]; };
-        sums += tetrahedronSums(at(0), at(k), at(k + 1));
-      }
-    out.unit = principal(sums);
-  }
+  out.unit = principal(roundedSums(hull, shape.rounding));
   const int header = beginHeader(out, 4);
   out.indices[static_cast<std::size_t>(header) + 2] = static_cast<int>(hull.vertices.size());
   out.indices[static_cast<std::size_t>(header) + 3] = static_cast<int>(hull.faces.size());

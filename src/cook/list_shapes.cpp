@@ -108,9 +108,6 @@ struct Hull {
     if (g.points.empty()) throw Error(path + ".points", "the points of a hull", "none");
     checkPoints(g, path + ".points");
   }
-  static MassProperties mass(const Shape& s, double density) {
-    return s.rounding > 0 ? massInside(s, density, false) : cookedMass(s, density);
-  }
   static ShapeTraits traits() {
     return {ShapeType::Hull,
             "hull",
@@ -119,7 +116,7 @@ struct Hull {
             anyFields<Shape, Hull, InShape>(),
             check,
             cooking::addHull,
-            mass,
+            cookedMass,
             nullptr};
   }
 };

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "cook/checks.h"
+#include "cook/rounded_mass.h"
 
 namespace rubble {
 
@@ -44,6 +45,13 @@ struct BoxTraits {
   }
   static MassProperties massProperties(const Shape& s, double density) {
     const Vec3 h = s.halfExtents;
+    if (const double r = s.rounding; r > 0) {
+      const SolidSums sums = roundedSums(boxHull(h - Vec3{r, r, r}), r);
+      // without the round-off of its symmetric parts
+      return principal({density * sums.volume,
+                        {},
+                        {density * sums.second[0], density * sums.second[1], density * sums.second[2], 0, 0, 0}});
+    }
     const double m = density * 8 * h.x * h.y * h.z;
     return {
         m,
@@ -84,9 +92,23 @@ struct CylinderTraits {
     return std::hypot(s.radius - s.rounding, s.halfLength - s.rounding) + s.rounding;
   }
   static MassProperties massProperties(const Shape& s, double density) {
+    if (s.rounding > 0) return roundedMass(s, density);
     const double r = s.radius, l = s.halfLength;
     const double m = density * kPi * r * r * 2 * l, across = m * (r * r / 4 + l * l / 3);
     return {m, {across, across, m * r * r / 2}, {}, {}};
+  }
+  /// A middle part of half height h between two caps, of radius a + sqrt(r^2 - t^2) at t above it.
+  static MassProperties roundedMass(const Shape& s, double density) {
+    const double r = s.rounding, a = s.radius - r, h = s.halfLength - r, b = s.radius, r2 = r * r, r3 = r2 * r;
+    // integrals of the squared radius times 1, t and t^2 over a cap, and of its fourth power
+    const double i0 = r * a * a + kPi / 2 * a * r2 + 2 * r3 / 3,
+                 i1 = a * a * r2 / 2 + 2 * a * r3 / 3 + r3 * r / 4,
+                 i2 = a * a * r3 / 3 + kPi / 8 * a * r3 * r + 2 * r3 * r2 / 15,
+                 j = r * a * a * a * a + kPi * a * a * a * r2 + 4 * a * a * r3 + kPi * 3 / 4 * a * r3 * r +
+                     8 * r3 * r2 / 15;
+    const double axial = density * kPi * (h * b * b * b * b + j),
+                 along = density * 2 * kPi * (b * b * h * h * h / 3 + h * h * i0 + 2 * h * i1 + i2);
+    return {density * 2 * kPi * (h * b * b + i0), {axial / 2 + along, axial / 2 + along, axial}, {}, {}};
   }
 };
 
@@ -109,12 +131,6 @@ struct ConeTraits {
   }
 };
 
-template <class S> MassProperties massOf(const Shape& shape, double density) {
-  // only shapes whose size a rounding reduces have a smallest one
-  if constexpr (requires { S::smallest(shape); })
-    if (shape.rounding > 0) return massInside(shape, density, true);
-  return S::massProperties(shape, density);
-}
 template <class S> void cookConvex(CookedShape& out, const Shape& shape, const Path& path) {
   if constexpr (requires { S::smallest(shape); })
     if (shape.rounding > 0 && !(shape.rounding < S::smallest(shape)))
@@ -125,12 +141,12 @@ template <class S> void cookConvex(CookedShape& out, const Shape& shape, const P
     out.shape = {host::addedKind<S>(), S::half(shape)};
   out.radius = out.shape.radius + length(out.shape.half);
   if constexpr (requires { S::boundingRadius(shape); }) out.radius = S::boundingRadius(shape);
-  out.unit = massOf<S>(shape, 1);
+  out.unit = S::massProperties(shape, 1);
 }
 
 template <class S> ShapeTraits convexTraits(ShapeType type) {
   ShapeTraits traits{type,    S::kName,      S::kDoc,   true,   anyFields<Shape, S, InShape>(),
-                     nullptr, cookConvex<S>, massOf<S>, nullptr};
+                     nullptr, cookConvex<S>, S::massProperties, nullptr};
   if constexpr (!requires { S::kType; })
     traits.support = [](const Shape& shape, const Vec3& d) { return S::support(S::half(shape), d); };
   return traits;

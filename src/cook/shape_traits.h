@@ -28,10 +28,6 @@ const ShapeTraits& traitsOf(ShapeType type);
 /// Radius of rounded edges and corners.
 inline constexpr auto kRounding = field("rounding", "m", "radius of rounded edges and corners",
                                         &Shape::rounding, {.range = FieldRange::NotNegative});
-/// Mass of what the triangulated surface encloses, to a relative error of 2e-3. `symmetric`: center and axes
-/// are those of the frame.
-MassProperties massInside(const Shape& shape, double density, bool symmetric);
-
 struct InShape {
   template <class Owner, class S> static auto& owner(S& shape) { return shape; }
 };

@@ -10,6 +10,7 @@
 #include <rubble/world.h>
 
 #include "collision/cooked_shape.h"
+#include "collision/query_record.h"
 #include "forces/joint_record.h"
 #include "forces/soft_model.h"
 
@@ -53,23 +54,15 @@ struct EngineTouch {
   bool sensor;
 };
 
-/// A query (rubble/query.h).
-struct EngineQuery {
-  enum Kind { Ray, Cast, Overlap, Closest };
-  Kind kind = Ray;
-  std::shared_ptr<const CookedShape> shape;  ///< of a cast or an overlap
-  Vec3 position;                             ///< of its engine frame
-  Quat orientation;
-  Vec3 move;
-  double reach = 0;
-  std::uint32_t layers = 0, mask = 0;
-  bool sensors = false;
-  int ignore = -1;
+/// Queries of one kind, and the shapes that they refer to: convex solids and compounds.
+struct EngineQueries {
+  QueryKind kind;
+  std::span<const EngineQuery> queries;
+  std::span<const std::shared_ptr<const CookedShape>> shapes;
 };
-struct EngineHit {
-  int body;         ///< -1: none
-  double fraction;  ///< cast: fraction of the displacement; closest point: distance [m]
-  Vec3 position, normal;
+/// Ids of the bodies that query i overlaps: those in [offsets[i], offsets[i + 1]), ascending.
+struct EngineOverlaps {
+  std::span<const int> offsets, bodies;
 };
 
 struct EngineSettings {

@@ -48,9 +48,6 @@ bool inOtherOrder(const SolverData& s);
 /// As World::scatter, from host memory.
 void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, const ArrayView& values);
 
-/// Queries at the present poses. Overwrites the grid.
-std::vector<EngineHit> runQueries(HostTables& tables, std::span<const EngineQuery> queries);
-std::vector<std::vector<int>> runOverlaps(HostTables& tables, std::span<const EngineQuery> queries);
 /// All persistent state as bytes. Equal states give equal bytes.
 std::vector<std::byte> saveTables(const HostTables& tables);
 void loadTables(HostTables& tables, std::span<const std::byte> data);

@@ -20,9 +20,8 @@ std::string at(const char* list, std::size_t i, const char* field) {
 }
 
 /// A body to ignore that is not alive, or that another one has followed in its slot, is none.
-EngineQuery filtered(EngineQuery::Kind kind, const QueryFilter& filter, const Registry& registry) {
+EngineQuery filtered(const QueryFilter& filter, const Registry& registry) {
   EngineQuery q;
-  q.kind = kind;
   q.layers = filter.layers, q.mask = filter.mask;
   q.sensors = filter.sensors;
   q.ignore = registry.bodies.alive(filter.ignore) ? filter.ignore.index : -1;
@@ -48,12 +47,11 @@ template <class F> void forEachIndex(std::size_t n, F&& f) {
 
 /// Cooked query shapes. Geometry shared with bodies of the world or other queries of the batch is cooked
 /// once.
-class QueryShapes {
+class QueryShapeList {
  public:
-  explicit QueryShapes(const Registry& registry) : registry_(registry) {}
+  explicit QueryShapeList(const Registry& registry) : registry_(registry) {}
 
-  template <class Query>
-  EngineQuery query(EngineQuery::Kind kind, const Query& query, const char* list, std::size_t i) {
+  template <class Query> EngineQuery query(const Query& query, const char* list, std::size_t i) {
     const ShapeType type = query.shape.type;
     if (type == ShapeType::Plane || type == ShapeType::Mesh || type == ShapeType::HeightField ||
         type == ShapeType::DistanceField)
@@ -63,109 +61,118 @@ class QueryShapes {
     probe.shape = query.shape;
     probe.position = query.position, probe.orientation = query.orientation;
     validate(probe, Path(list)[i]);
-    EngineQuery q = filtered(kind, query.filter, registry_);
-    q.shape = cooked(query.shape, at(list, i, "shape"));
-    const BodyState state = ShapeFrame{q.shape->unit.center, q.shape->unit.axes}.toEngine(
+    EngineQuery q = filtered(query.filter, registry_);
+    q.shape = place(query.shape, at(list, i, "shape"));
+    const MassProperties& unit = cooked_[static_cast<std::size_t>(q.shape)]->unit;
+    const BodyState state = ShapeFrame{unit.center, unit.axes}.toEngine(
         {query.position, normalize(query.orientation), {}, {}});
     q.position = state.position, q.orientation = state.orientation;
     return q;
   }
 
+  std::span<const std::shared_ptr<const CookedShape>> cooked() const { return cooked_; }
+
  private:
-  std::shared_ptr<const CookedShape> cooked(const Shape& shape, const Path& path) {
-    if (!shape.geometry) return std::make_shared<const CookedShape>(cook(shape, path));
-    for (const std::span<const CookedEntry> entries :
-         {std::span(registry_.shapes), std::span<const CookedEntry>(own_)})
-      if (const CookedEntry* entry = findCooked(entries, shape)) return entry->cooked;
-    own_.push_back({shape, std::make_shared<const CookedShape>(cook(shape, path)), 0});
-    return own_.back().cooked;
+  /// Place of the cooked shape in the list.
+  int place(const Shape& shape, const Path& path) {
+    std::shared_ptr<const CookedShape> cooked;
+    if (shape.geometry) {
+      if (const CookedEntry* own = findCooked(entries_, shape)) return own->indexBase;
+      if (const CookedEntry* entry = findCooked(registry_.shapes, shape)) cooked = entry->cooked;
+    }
+    if (!cooked) cooked = std::make_shared<const CookedShape>(cook(shape, path));
+    const int place = static_cast<int>(cooked_.size());
+    cooked_.push_back(cooked);
+    if (shape.geometry) entries_.push_back({shape, cooked, place});
+    return place;
   }
 
   const Registry& registry_;
-  std::vector<CookedEntry> own_;
+  std::vector<std::shared_ptr<const CookedShape>> cooked_;
+  std::vector<CookedEntry> entries_;  ///< shapes with geometry, and their places
 };
 
 }  // namespace
 
 std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
+  std::vector<RayHit> hits(rays.size());
+  castRays(rays, hits);
+  return hits;
+}
+
+void World::castRays(std::span<const RayQuery> rays, std::span<RayHit> hits) {
+  if (hits.size() != rays.size())
+    throw Error("hits", "one hit per ray, " + std::to_string(rays.size()), std::to_string(hits.size()));
   const auto isValid = [](const RayQuery& ray) {
     return checks::isFinite(ray.origin) && checks::isFinite(ray.direction) && length(ray.direction) > 0 &&
            ray.maxDistance > 0 && checks::isFinite(Vec3{ray.maxDistance, 0, 0});
   };
-  std::vector<EngineQuery> queries(rays.size());
+  impl_->flush();
+  const std::span<EngineQuery> queries = impl_->engine->queryRoom(rays.size());
   std::atomic<bool> valid = true;
   forEachIndex(rays.size(), [&](std::size_t i) {
     const RayQuery& ray = rays[i];
     if (!isValid(ray)) valid = false;
-    queries[i] = filtered(EngineQuery::Ray, ray.filter, impl_->registry);
+    queries[i] = filtered(ray.filter, impl_->registry);
     queries[i].position = ray.origin;
     queries[i].move = ray.direction * (ray.maxDistance / length(ray.direction));
   });
   if (!valid)
     for (std::size_t i = 0; i < rays.size(); ++i) checkRay(rays[i], i);
-  impl_->flush();
-  const std::vector<EngineHit> hits = impl_->engine->query(queries);
-  std::vector<RayHit> out(rays.size());
+  const std::span<const EngineHit> found = impl_->engine->hits({QueryKind::Ray, queries, {}});
   forEachIndex(rays.size(), [&](std::size_t i) {
-    const EngineHit& hit = hits[i];
-    if (hit.body >= 0)
-      out[i] = {true, *impl_->registry.bodies.at(hit.body), hit.fraction * rays[i].maxDistance, hit.position,
-                hit.normal};
+    const EngineHit& hit = found[i];
+    hits[i] = hit.body < 0 ? RayHit{}
+                           : RayHit{true, *impl_->registry.bodies.at(hit.body),
+                                    hit.fraction * rays[i].maxDistance, hit.position, hit.normal};
   });
-  return out;
 }
 
 std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
-  std::vector<EngineQuery> queries;
-  QueryShapes shapesOf(impl_->registry);
-  for (std::size_t i = 0; i < casts.size(); ++i) {
-    queries.push_back(shapesOf.query(EngineQuery::Cast, casts[i], "casts", i));
-    checks::finite(casts[i].displacement, at("casts", i, "displacement"));
-    queries.back().move = casts[i].displacement;
-  }
   impl_->flush();
-  std::vector<CastHit> out;
-  for (const EngineHit& hit : impl_->engine->query(queries)) {
-    if (hit.body < 0)
-      out.push_back({});
-    else
-      out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position, hit.normal});
+  const std::span<EngineQuery> queries = impl_->engine->queryRoom(casts.size());
+  QueryShapeList shapes(impl_->registry);
+  for (std::size_t i = 0; i < casts.size(); ++i) {
+    queries[i] = shapes.query(casts[i], "casts", i);
+    checks::finite(casts[i].displacement, at("casts", i, "displacement"));
+    queries[i].move = casts[i].displacement;
   }
+  std::vector<CastHit> out;
+  for (const EngineHit& hit : impl_->engine->hits({QueryKind::Cast, queries, shapes.cooked()}))
+    out.push_back(hit.body < 0 ? CastHit{}
+                               : CastHit{true, *impl_->registry.bodies.at(hit.body), hit.fraction,
+                                         hit.position, hit.normal});
   return out;
 }
 
 std::vector<std::vector<BodyId>> World::overlaps(std::span<const OverlapQuery> shapes) {
-  std::vector<EngineQuery> queries;
-  QueryShapes shapesOf(impl_->registry);
-  for (std::size_t i = 0; i < shapes.size(); ++i)
-    queries.push_back(shapesOf.query(EngineQuery::Overlap, shapes[i], "shapes", i));
   impl_->flush();
-  std::vector<std::vector<BodyId>> out;
-  for (const std::vector<int>& slots : impl_->engine->overlaps(queries)) {
-    out.emplace_back();
-    for (const int slot : slots) out.back().push_back(*impl_->registry.bodies.at(slot));
-  }
+  const std::span<EngineQuery> queries = impl_->engine->queryRoom(shapes.size());
+  QueryShapeList list(impl_->registry);
+  for (std::size_t i = 0; i < shapes.size(); ++i) queries[i] = list.query(shapes[i], "shapes", i);
+  const EngineOverlaps found = impl_->engine->overlaps({QueryKind::Overlap, queries, list.cooked()});
+  std::vector<std::vector<BodyId>> out(shapes.size());
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    for (int k = found.offsets[i]; k < found.offsets[i + 1]; ++k)
+      out[i].push_back(*impl_->registry.bodies.at(found.bodies[static_cast<std::size_t>(k)]));
   return out;
 }
 
 std::vector<ClosestHit> World::closestPoints(std::span<const ClosestQuery> points) {
-  std::vector<EngineQuery> queries;
+  impl_->flush();
+  const std::span<EngineQuery> queries = impl_->engine->queryRoom(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     checks::finite(points[i].point, at("points", i, "point"));
     checks::positive(points[i].maxDistance, at("points", i, "maxDistance"));
-    EngineQuery q = filtered(EngineQuery::Closest, points[i].filter, impl_->registry);
-    q.position = points[i].point;
-    q.reach = points[i].maxDistance;
-    queries.push_back(q);
+    queries[i] = filtered(points[i].filter, impl_->registry);
+    queries[i].position = points[i].point;
+    queries[i].reach = points[i].maxDistance;
   }
-  impl_->flush();
   std::vector<ClosestHit> out;
-  for (const EngineHit& hit : impl_->engine->query(queries)) {
-    if (hit.body < 0)
-      out.push_back({});
-    else
-      out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
-  }
+  for (const EngineHit& hit : impl_->engine->hits({QueryKind::Closest, queries, {}}))
+    out.push_back(hit.body < 0
+                      ? ClosestHit{}
+                      : ClosestHit{true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
   return out;
 }
 

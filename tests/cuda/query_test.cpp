@@ -50,7 +50,6 @@ template <class Hit> void expectSame(const std::vector<Hit>& a, const std::vecto
   EXPECT_GT(hits, least);
 }
 
-/// The kernel of the device: in worlds of other shapes rays run on the host.
 TEST_F(CudaQuery, RaysThroughPrimitiveShapesHitWhatTheyHitOnTheCpu) {
   Random random(41);
   Scene scene;
@@ -81,22 +80,16 @@ TEST_F(CudaQuery, AnswersAsTheCpuDoes) {
   const Scene scene = randomScene(31);
   World device(scene, on("cuda")), host(scene, on("cpu"));
   meet(device, host);
-  Random random(32);
-  std::vector<RayQuery> rays;
-  std::vector<CastQuery> casts;
-  std::vector<OverlapQuery> shapes;
-  std::vector<ClosestQuery> points;
-  for (int i = 0; i < kQueries; ++i) {
-    rays.push_back({random.vector(12), random.direction(), random.uniform(1, 30), randomFilter(random)});
-    casts.push_back({randomSolid(random, 1), random.vector(12), random.rotation(), random.vector(10),
-                     randomFilter(random)});
-    shapes.push_back({randomSolid(random, 3), random.vector(10), random.rotation(), randomFilter(random)});
-    points.push_back({random.vector(12), random.uniform(.1, 8), randomFilter(random)});
-  }
-  expectSame(device.castRays(rays), host.castRays(rays), kQueries / 4);
-  expectSame(device.castShapes(casts), host.castShapes(casts), kQueries / 4);
-  expectSame(device.closestPoints(points), host.closestPoints(points), kQueries / 4);
-  const auto a = device.overlaps(shapes), b = host.overlaps(shapes);
+  const RandomQueries asked(32, kQueries);
+  expectSame(device.castRays(asked.rays), host.castRays(asked.rays), kQueries / 4);
+  expectSame(device.castShapes(asked.casts), host.castShapes(asked.casts), kQueries / 4);
+  expectSame(device.closestPoints(asked.points), host.closestPoints(asked.points), kQueries / 4);
+  // few queries are answered body by body
+  constexpr std::size_t kFew = 5;
+  const auto few = [](const auto& all) { return std::span(all).first(kFew); };
+  expectSame(device.castShapes(few(asked.casts)), host.castShapes(few(asked.casts)), -1);
+  expectSame(device.closestPoints(few(asked.points)), host.closestPoints(few(asked.points)), -1);
+  const auto a = device.overlaps(asked.shapes), b = host.overlaps(asked.shapes);
   ASSERT_EQ(a.size(), b.size());
   int other = 0;
   std::size_t found = 0;

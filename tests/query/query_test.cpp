@@ -216,6 +216,29 @@ TEST_P(Query, ClosestPointsAreThoseOfTheDistanceFunctions) {
 
 INSTANTIATE_TEST_SUITE_P(Backends, Query, testing::Values("cpu", "reference", "lockstep"));
 
+/// Few queries are answered body by body, many by the grid.
+TEST_P(Query, OneFindsWhatItFindsAmongMany) {
+  World world(randomScene(61), test::options(4, GetParam()));
+  constexpr int kCount = 60;
+  const test::RandomQueries asked(62, kCount);
+  const auto rays = world.castRays(asked.rays);
+  const auto casts = world.castShapes(asked.casts);
+  const auto shapes = world.overlaps(asked.shapes);
+  const auto points = world.closestPoints(asked.points);
+  const auto same = [](const auto& a, const auto& b) {
+    return a.hit == b.hit && a.body == b.body && a.position == b.position;
+  };
+  int hits = 0;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    EXPECT_TRUE(same(world.castRays({&asked.rays[i], 1})[0], rays[i])) << i;
+    EXPECT_TRUE(same(world.castShapes({&asked.casts[i], 1})[0], casts[i])) << i;
+    EXPECT_TRUE(same(world.closestPoints({&asked.points[i], 1})[0], points[i])) << i;
+    EXPECT_EQ(world.overlaps({&asked.shapes[i], 1})[0], shapes[i]) << i;
+    hits += rays[i].hit + casts[i].hit + points[i].hit + !shapes[i].empty();
+  }
+  EXPECT_GT(hits, kCount);
+}
+
 TEST(QueryWorld, SeesWhereTheLastStepHasPutBodies) {
   World world(test::tower(2), test::options(4));
   world.applyImpulse(world.bodyAt(2), {0, 0, 6});

@@ -31,4 +31,22 @@ inline QueryFilter randomFilter(Random& random) {
   return f;
 }
 
+/// Queries of all kinds about a random scene.
+struct RandomQueries {
+  RandomQueries(std::uint64_t seed, int count) {
+    Random random(seed);
+    for (int i = 0; i < count; ++i) {
+      rays.push_back({random.vector(12), random.direction(), random.uniform(1, 30), randomFilter(random)});
+      casts.push_back({randomSolid(random, 1), random.vector(12), random.rotation(), random.vector(10),
+                       randomFilter(random)});
+      shapes.push_back({randomSolid(random, 3), random.vector(10), random.rotation(), randomFilter(random)});
+      points.push_back({random.vector(12), random.uniform(.1, 8), randomFilter(random)});
+    }
+  }
+  std::vector<RayQuery> rays;
+  std::vector<CastQuery> casts;
+  std::vector<OverlapQuery> shapes;
+  std::vector<ClosestQuery> points;
+};
+
 }  // namespace rubble::test

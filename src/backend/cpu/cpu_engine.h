@@ -4,6 +4,7 @@
 #include "backend/cpu/host_arrays.h"
 #include "backend/observable_engine.h"
 #include "solver/settings.h"
+#include "tables/host_queries.h"
 #include "tables/host_reader.h"
 #include "tables/state_rows.h"
 
@@ -45,12 +46,11 @@ class CpuEngine final : public ObservableEngine {
     sortBodiesOf(executor_);
   }
   const TableReader& read(Fetch, int) override { return reader_; }
-  std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
-    return runQueries(tables(), queries);
+  std::span<EngineQuery> queryRoom(std::size_t n) override { return queries_.room(n); }
+  std::span<const EngineHit> hits(const EngineQueries& asked) override {
+    return queries_.hits(tables(), asked);
   }
-  std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
-    return runOverlaps(tables(), queries);
-  }
+  EngineOverlaps overlaps(const EngineQueries& asked) override { return queries_.overlaps(tables(), asked); }
   ArrayView array(StateArray which) override { return arrays_.view(which); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     scatterRows(tables(), which, rows, values);
@@ -74,6 +74,7 @@ class CpuEngine final : public ObservableEngine {
   CpuExecutor executor_;
   HostReader reader_{executor_.tables()};
   HostArrays arrays_{executor_.tables()};
+  HostQueries queries_;
   EngineSettings settings_;
   double previousDt_ = 0;
 };

@@ -61,20 +61,12 @@ class CudaEngine final : public ObservableEngine, private PoseCopies {
   void step(StepReport& report) override;
 
   void sortBodies() override;
-  /// Rays through primitive shapes run on the device, all other queries on the host over fetched states.
-  std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
-    if (!host().view().generalShapes &&
-        std::ranges::all_of(queries, [](const EngineQuery& q) { return q.kind == EngineQuery::Ray; })) {
-      const SolverData device = present();
-      return engineHits(host(),
-                        queries_.castRays(device, *host().view().step, {host(), queries}, stepper_.stream()));
-    }
-    mirror_.fetchAll();
-    return runQueries(host(), queries);
+  std::span<EngineQuery> queryRoom(std::size_t n) override { return queries_.room(n); }
+  std::span<const EngineHit> hits(const EngineQueries& asked) override {
+    return queries_.hits(present(), *host().view().step, asked, stepper_.stream());
   }
-  std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
-    mirror_.fetchAll();
-    return runOverlaps(host(), queries);
+  EngineOverlaps overlaps(const EngineQueries& asked) override {
+    return queries_.overlaps(present(), *host().view().step, asked, stepper_.stream());
   }
   void observe(KernelObserver observer) override { stepper_.observe(std::move(observer)); }
   const HostTables& tablesNow() override;

@@ -4,20 +4,23 @@
 #include <thrust/iterator/transform_iterator.h>
 #include <cub/device/device_scan.cuh>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
 #include "backend/cuda/kernels.cuh"
+#include "tables/query_shapes.h"
 
 namespace rubble::RUBBLE_CORE {
 
 namespace {
 
+/// Blocks per multiprocessor: threads are worth more to a query than registers (docs/research/tuning-log.md).
+inline constexpr int kQueryBlocks = 8;
+
 template <class Kernel>
-__global__ void __launch_bounds__(kThreads)
+__global__ void __launch_bounds__(kThreads, kQueryBlocks)
     runPlain(const __grid_constant__ SolverData s, const Kernel kernel, int n) {
   const int i = static_cast<int>((blockIdx.x * blockDim.x + threadIdx.x) / widthOf<Kernel>());
   if (i < n) apply(kernel, s, i);
@@ -30,29 +33,73 @@ template <class Kernel> void launch(const SolverData& s, const Kernel& kernel, i
   checkCuda(cudaGetLastError(), Kernel::kStage);
 }
 
-/// Rays by `kLanes` lanes each, which share the bodies along the way.
-template <int kLanes> struct CastRays {
-  static constexpr const char* kStage = RunQuery::kStage;
-  static constexpr int kWidth = kLanes;
-  const QueryData* queries;
-  QueryHit* hits;
-
-  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
-    const QueryHit own = answer<QueryKind::Ray>(s, queries[i], {}, tile.lane, kWidth);
-    // the lane with the best answer writes it
-    int best = tile.lane;
-    QueryHit bestHit = own;
+/// The workers of a query: a warp. One lane alone would diverge from the others of its warp.
+struct WarpLanes {
+  Tile<kWarp> tile;
+  int lane = tile.lane;
+  static constexpr int count = kWarp;
+  __device__ double least(double a) const {
 #pragma unroll
-    for (int offset = kWidth / 2; offset > 0; offset /= 2) {
-      const int other = __shfl_xor_sync(tile.mask, best, offset, kWidth);
-      const QueryHit hit{__shfl_xor_sync(tile.mask, bestHit.body, offset, kWidth),
-                         __shfl_xor_sync(tile.mask, bestHit.fraction, offset, kWidth),
-                         {},
-                         {}};
-      if (comesBefore(s, hit, bestHit) || (!comesBefore(s, bestHit, hit) && other < best))
-        best = other, bestHit = hit;
-    }
-    if (tile.lane == best) hits[i] = own;
+    for (int offset = kWarp / 2; offset > 0; offset /= 2)
+      a = min(a, __shfl_xor_sync(tile.mask, a, offset, kWarp));
+    return a;
+  }
+};
+
+/// Has this lane the best hit of its warp?
+__device__ bool isBest(const EngineHit& own, const Tile<kWarp>& tile) {
+  int best = tile.lane;
+  EngineHit hit = own;
+#pragma unroll
+  for (int offset = kWarp / 2; offset > 0; offset /= 2) {
+    const int lane = __shfl_xor_sync(tile.mask, best, offset, kWarp);
+    const EngineHit other{__shfl_xor_sync(tile.mask, hit.body, offset, kWarp),
+                          __shfl_xor_sync(tile.mask, hit.fraction, offset, kWarp),
+                          {},
+                          {}};
+    if (comesBefore(other, hit) || (!comesBefore(hit, other) && lane < best)) best = lane, hit = other;
+  }
+  return tile.lane == best;
+}
+
+/// FindHit by a warp.
+template <QueryKind kKind> struct FindHitByWarp {
+  static constexpr const char* kStage = "queries";
+  static constexpr int kWidth = kWarp;
+  const EngineQuery* queries;
+  QueryShapes own;
+  EngineHit* hits;
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWarp>& tile) const {
+    const EngineHit hit = answer<kKind, Search::ByGrid>(s, queries[i], own, WarpLanes{tile});
+    if (isBest(hit, tile)) hits[i] = hit;
+  }
+};
+
+/// Query blockIdx.y by all threads of a row of blocks, body by body. Each warp writes its best hit.
+template <QueryKind kKind>
+__global__ void __launch_bounds__(kThreads, kQueryBlocks)
+    findHitsOneByOne(const __grid_constant__ SolverData s, const EngineQuery* queries, QueryShapes own,
+                     EngineHit* hits) {
+  const int threads = static_cast<int>(gridDim.x * kThreads),
+            thread = static_cast<int>(blockIdx.x * kThreads + threadIdx.x);
+  const Tile<kWarp> tile = Tile<kWarp>::ofThread();
+  const EngineHit hit = answer<kKind, Search::OneByOne>(s, queries[blockIdx.y], own,
+                                                        OneLane{thread, threads});
+  if (isBest(hit, tile)) hits[static_cast<int>(blockIdx.y) * threads / kWarp + thread / kWarp] = hit;
+}
+
+/// The best of `each` hits of every query.
+struct PickHit {
+  static constexpr const char* kStage = "queries";
+  static constexpr int kWidth = kWarp;
+  const EngineHit* from;
+  int each;
+  EngineHit* hits;
+  __device__ void operator()(const SolverData&, int i, const Tile<kWarp>& tile) const {
+    EngineHit best{-1, 0, {}, {}};
+    for (int k = tile.lane; k < each; k += kWarp)
+      if (const EngineHit& hit = from[i * each + k]; comesBefore(hit, best)) best = hit;
+    if (isBest(best, tile)) hits[i] = best;
   }
 };
 
@@ -70,6 +117,20 @@ std::int64_t residentThreads() {
 }
 
 }  // namespace
+
+void DeviceQueries::scan(const int* counts, int n, int* offsets, cudaStream_t stream) {
+  // one element more than counts: the total follows the last one
+  const auto input = thrust::make_transform_iterator(thrust::make_counting_iterator(0),
+                                                     CountAt{counts, nullptr, n, n});
+  std::size_t bytes = 0;
+  const auto run = [&](void* scratch) {
+    checkCuda(cub::DeviceScan::ExclusiveSum(scratch, bytes, input, offsets, n + 1, stream), "scan");
+  };
+  run(nullptr);
+  scratch_.reserve(bytes);
+  bytes = scratch_.size();
+  run(scratch_.data());
+}
 
 SolverData DeviceQueries::withGrid(const SolverData& device, const StepConstants& constants,
                                    cudaStream_t stream) {
@@ -91,40 +152,82 @@ SolverData DeviceQueries::withGrid(const SolverData& device, const StepConstants
   // the counters of grid levels are the last ones
   clear(s.counters->levelCount, sizeof(Counters) - offsetof(Counters, levelCount));
   launch(s, ComputeBounds{}, s.bodies, stream);
-  // one element more than buckets: the total follows the last one
-  const auto counts = thrust::make_transform_iterator(thrust::make_counting_iterator(0),
-                                                      CountAt{s.bucketCount, nullptr, s.cells, s.cells});
-  std::size_t bytes = 0;
-  const auto scan = [&](void* scratch) {
-    checkCuda(cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, s.bucketOffset, s.cells + 1, stream),
-              "scan");
-  };
-  scan(nullptr);
-  scratch_.reserve(bytes);
-  bytes = scratch_.size();
-  scan(scratch_.data());
+  scan(s.bucketCount, s.cells, s.bucketOffset, stream);
   launch(s, FillGrid{}, s.bodies, stream);
   return s;
 }
 
-std::span<const QueryHit> DeviceQueries::castRays(const SolverData& device, const StepConstants& constants,
-                                                  const QueryBatch& batch, cudaStream_t stream) {
-  const SolverData s = withGrid(device, constants, stream);
-  const std::size_t count = batch.data.size(), bytes = sizeof(QueryData) * count;
-  batch_.reserve(bytes), sent_.reserve(bytes), hits_.reserve(sizeof(QueryHit) * count);
-  constexpr std::size_t kGrain = 1024;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
-    std::memcpy(sent_.data() + sizeof(QueryData) * range.begin(), batch.data.data() + range.begin(),
-                sizeof(QueryData) * range.size());
-  });
-  copyTo(batch_.data(), sent_.data(), bytes, stream);
-  const auto* const queries = reinterpret_cast<const QueryData*>(batch_.data());
-  auto* const hits = reinterpret_cast<QueryHit*>(hits_.data());
-  withLanes<1, kWarp>(lanesFor<1, kWarp>(batch.count(), residentThreads()), [&]<int kLanes>() {
-    launch(s, CastRays<kLanes>{queries, hits}, batch.count(), stream);
+DeviceQueries::Asked DeviceQueries::send(const EngineQueries& asked, cudaStream_t stream) {
+  batch_.reserve(asked.queries.size_bytes());
+  copyTo(batch_.data(), asked.queries.data(), asked.queries.size_bytes(), stream);
+  Asked out{reinterpret_cast<const EngineQuery*>(batch_.data()), {}, static_cast<int>(asked.queries.size())};
+  if (asked.shapes.empty()) return out;
+  const QueryShelf shelf(asked.shapes);
+  const HostTables& tables = shelf.tables();
+  const SolverData& s = tables.view();
+  const auto copied = [&]<class T>(const T* array, std::size_t count, DeviceBuffer& to) {
+    to.reserve(sizeof(T) * count);
+    copyTo(to.data(), array, sizeof(T) * count, stream);
+    return reinterpret_cast<const T*>(to.data());
+  };
+  const auto size = [](int n) { return static_cast<std::size_t>(n); };
+  out.shapes = {copied(shelf.shapes().data(), shelf.shapes().size(), shapes_),
+                {copied(s.shapeVector, size(tables.shapeVectors), vectors_),
+                 copied(s.shapeIndex, size(tables.shapeIndices), indices_),
+                 copied(s.shapePart, size(tables.shapeParts), parts_)}};
+  // the shelf goes
+  checkCuda(cudaStreamSynchronize(stream), "shapes of queries");
+  return out;
+}
+
+std::span<const EngineHit> DeviceQueries::hits(const SolverData& device, const StepConstants& constants,
+                                               const EngineQueries& asked, cudaStream_t stream) {
+  const std::size_t count = asked.queries.size();
+  hits_.reserve(sizeof(EngineHit) * count);
+  auto* const hits = reinterpret_cast<EngineHit*>(hits_.data());
+  const Asked q = send(asked, stream);
+  const int threads = static_cast<int>(residentThreads());
+  withHitKind(asked.kind, [&]<QueryKind kKind>() {
+    if (q.count <= kFewQueries && !filled_) {
+      const int blocks = std::max(1, std::min(device.bodies, threads) / kThreads),
+                each = blocks * kThreads / kWarp;
+      scratch_.reserve(sizeof(EngineHit) * static_cast<std::size_t>(each) * count);
+      auto* const found = reinterpret_cast<EngineHit*>(scratch_.data());
+      const dim3 grid(static_cast<unsigned>(blocks), static_cast<unsigned>(q.count));
+      if (q.count > 0) {
+        findHitsOneByOne<kKind><<<grid, kThreads, 0, stream>>>(device, q.queries, q.shapes, found);
+        checkCuda(cudaGetLastError(), "queries");
+        launch(device, PickHit{found, each, hits}, q.count, stream);
+      }
+    } else {
+      const SolverData s = withGrid(device, constants, stream);
+      launch(s, FindHitByWarp<kKind>{q.queries, q.shapes, hits}, q.count, stream);
+    }
   });
   checkCuda(cudaStreamSynchronize(stream), "queries");
   return {hits, count};
+}
+
+EngineOverlaps DeviceQueries::overlaps(const SolverData& device, const StepConstants& constants,
+                                       const EngineQueries& asked, cudaStream_t stream) {
+  const SolverData s = withGrid(device, constants, stream);
+  const Asked q = send(asked, stream);
+  const std::size_t size = asked.queries.size() + 1;
+  counts_.reserve(sizeof(int) * 2 * size), offsets_.reserve(sizeof(int) * size);
+  auto* const counts = reinterpret_cast<int*>(counts_.data());
+  int *const from = counts + size, *const offsets = reinterpret_cast<int*>(offsets_.data());
+  launch(s, CountOverlaps<Search::ByGrid>{q.queries, q.shapes, counts}, q.count, stream);
+  scan(counts, q.count, from, stream);
+  checkCuda(cudaMemcpyAsync(offsets, from, sizeof(int) * size, cudaMemcpyDeviceToHost, stream), "overlaps");
+  checkCuda(cudaStreamSynchronize(stream), "overlaps");
+  const auto found = static_cast<std::size_t>(offsets[q.count]);
+  found_.reserve(sizeof(int) * found), bodies_.reserve(sizeof(int) * found);
+  auto* const ids = reinterpret_cast<int*>(found_.data());
+  auto* const bodies = reinterpret_cast<int*>(bodies_.data());
+  launch(s, FillOverlaps<Search::ByGrid>{q.queries, q.shapes, from, ids}, q.count, stream);
+  checkCuda(cudaMemcpyAsync(bodies, ids, sizeof(int) * found, cudaMemcpyDeviceToHost, stream), "overlaps");
+  checkCuda(cudaStreamSynchronize(stream), "overlaps");
+  return {{offsets, size}, {bodies, found}};
 }
 
 }  // namespace rubble::RUBBLE_CORE

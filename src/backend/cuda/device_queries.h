@@ -1,24 +1,42 @@
 #pragma once
-/// Rays over tables on the device, by the functors of stages/queries/queries.h.
+/// Queries over tables on the device, by the functors of stages/queries/queries.h.
 #include "backend/cuda/device_memory.h"
-#include "tables/query_batch.h"
+#include "stages/queries/queries.h"
+#include "tables/records.h"
 
 namespace rubble::RUBBLE_CORE {
 
+/// `device`: tables on the device with their present sizes; `constants`: those of the host.
 class DeviceQueries {
  public:
-  /// `s`: tables on the device with their present sizes; `constants`: those of the host. Waits for the hits,
-  /// which are valid until the next call.
-  std::span<const QueryHit> castRays(const SolverData& s, const StepConstants& constants,
-                                     const QueryBatch& batch, cudaStream_t stream);
+  std::span<EngineQuery> room(std::size_t n) {
+    room_.reserve(sizeof(EngineQuery) * n);
+    return {reinterpret_cast<EngineQuery*>(room_.data()), n};
+  }
+  /// As Engine::hits and Engine::overlaps.
+  std::span<const EngineHit> hits(const SolverData& device, const StepConstants& constants,
+                                  const EngineQueries& asked, cudaStream_t stream);
+  EngineOverlaps overlaps(const SolverData& device, const StepConstants& constants,
+                          const EngineQueries& asked, cudaStream_t stream);
   /// Bodies have moved or changed since the last query.
   void moved() { filled_ = false; }
 
  private:
+  /// Queries on the device.
+  struct Asked {
+    const EngineQuery* queries;
+    QueryShapes shapes;
+    int count;
+  };
+  Asked send(const EngineQueries& asked, cudaStream_t stream);
   /// Fills the grid at the present poses. The constants of the result have dt = 0.
-  SolverData withGrid(const SolverData& s, const StepConstants& constants, cudaStream_t stream);
-  DeviceBuffer scratch_, batch_, still_;
-  PinnedBuffer sent_, hits_;
+  SolverData withGrid(const SolverData& device, const StepConstants& constants, cudaStream_t stream);
+  /// Sums of the counts before each of n elements, and their total.
+  void scan(const int* counts, int n, int* offsets, cudaStream_t stream);
+
+  DeviceBuffer scratch_, still_, batch_, counts_, found_;
+  DeviceBuffer shapes_, vectors_, indices_, parts_;  ///< of casts and overlaps
+  PinnedBuffer room_, hits_, offsets_, bodies_;
   Pinned<StepConstants> constants_;  ///< those in still_
   bool filled_ = false;
 };

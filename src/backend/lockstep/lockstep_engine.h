@@ -43,13 +43,14 @@ class LockstepEngine final : public Engine {
     both([](Engine& e) { e.sortBodies(); });
   }
   const TableReader& read(Fetch what, int id) override { return a_.engine->read(what, id); }
-  std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
-    b_.engine->query(queries);
-    return a_.engine->query(queries);
+  std::span<EngineQuery> queryRoom(std::size_t n) override { return a_.engine->queryRoom(n); }
+  std::span<const EngineHit> hits(const EngineQueries& asked) override {
+    b_.engine->hits(asked);
+    return a_.engine->hits(asked);
   }
-  std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
-    b_.engine->overlaps(queries);
-    return a_.engine->overlaps(queries);
+  EngineOverlaps overlaps(const EngineQueries& asked) override {
+    b_.engine->overlaps(asked);
+    return a_.engine->overlaps(asked);
   }
   ArrayView array(StateArray which) override { return a_.engine->array(which); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {

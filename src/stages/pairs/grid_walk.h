@@ -5,83 +5,147 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// visit(body) for every body whose box may touch a box of half extents `half` that moves from `x` by `limit`
-/// times `d`. The visitor may lower the limit as it finds hits. Each body is visited once. Cells are visited
-/// slab by slab along the main direction, so near bodies come first at each level. Several lanes may share
-/// the bodies, each with its own limit: lane `lane` of `lanes` visits every `lanes`-th slab.
-template <class Visit>
-RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, const Vec3d& half,
-                          double& limit, Visit&& visit, int lane = 0, int lanes = 1) {
-  int m = 0;
-  for (int k = 1; k < 3; ++k)
-    if (std::fabs(d[k]) > std::fabs(d[m])) m = k;
-  const int u = (m + 1) % 3, v = (m + 2) % 3;
-  const auto tryEntry = [&](const GridEntry& e) {
-    const Vec3d away = x - Vec3d(e.center);
-    if (passes(away, d, half + Vec3d(e.half), limit)) visit(e.body);
-  };
-  const int incidences = s.bucketOffset[s.cells];
-  for (int level = 0; level < kGridLevels; ++level) {
-    if (s.counters->levelCount[level] == 0) continue;
-    const double size = static_cast<double>(cellSize(level));
-    Vec3d reach = half;
+/// One worker that visits everything. Others share the bodies: worker `lane` of `count`, all in step.
+struct OneLane {
+  int lane = 0, count = 1;
+  /// The least of all workers' numbers.
+  RUBBLE_HD double least(double a) const { return a; }
+};
+
+/// The box of half extents `half` that moves from x by `limit` times d. A search may lower both as it finds
+/// hits.
+struct PathSearch {
+  Vec3d x, d;        ///< [m]
+  Vec3d half;        ///< [m]
+  double limit = 1;  ///< fraction of d
+};
+
+/// The cells of a level that a search crosses: slabs along the main axis of d, one after another.
+class LevelWalk {
+ public:
+  RUBBLE_HD LevelWalk(const SolverData& s, const PathSearch& p, const Vec3d& inverse, int level)
+      : s_(s),
+        p_(p),
+        inverse_(inverse),
+        level_(level),
+        size_(static_cast<double>(cellSize(level))),
+        perSize_(1 / size_) {
+    for (int k = 1; k < 3; ++k)
+      if (std::fabs(p.d[k]) > std::fabs(p.d[main_])) main_ = k;
     for (int k = 0; k < 3; ++k)
-      reach[k] += static_cast<double>(fromFloatBits(s.counters->levelHalf[level][k]));
-    const auto cell = [&](double a) { return static_cast<int>(floor(clamp(a / size, -1e9, 1e9))); };
-    const auto low = [&](int k, double t0, double t1) {
-      return cell(min(x[k] + t0 * d[k], x[k] + t1 * d[k]) - reach[k]);
-    };
-    const auto high = [&](int k, double t0, double t1) {
-      return cell(max(x[k] + t0 * d[k], x[k] + t1 * d[k]) + reach[k]);
-    };
+      reach_[k] = p.half[k] + static_cast<double>(fromFloatBits(s.counters->levelHalf[level][k]));
     // the part of the path that passes the cells in use
-    double from = 0, until = limit;
+    until_ = p.limit;
     for (int k = 0; k < 3; ++k) {
       const auto& used = s.counters->levelReach[level];
-      const double lowest = (kCellOrigin - used[0][k]) * size - reach[k] - x[k],
-                   highest = (used[1][k] - kCellOrigin + 1.0) * size + reach[k] - x[k];
-      if (d[k] != 0)
-        from = max(from, min(lowest / d[k], highest / d[k])),
-        until = min(until, max(lowest / d[k], highest / d[k]));
+      const double lowest = (kCellOrigin - used[0][k]) * size_ - reach_[k] - p.x[k],
+                   highest = (used[1][k] - kCellOrigin + 1.0) * size_ + reach_[k] - p.x[k];
+      const double a = lowest * inverse[k], b = highest * inverse[k];
+      if (inverse[k] != 0)
+        from_ = max(from_, min(a, b)), until_ = min(until_, max(a, b));
       else if (lowest > 0 || highest < 0)
-        until = -1;
+        until_ = -1;
     }
-    if (from > until) continue;
-    const int first = low(m, from, until), last = high(m, from, until);
+    if (from_ > until_) return;
+    first_ = low(main_, from_, until_), last_ = high(main_, from_, until_);
+    // a slab is crossed within its thickness and the reach
+    cells_ = double(last_) - first_ + 1;
+    for (int k = 0; k < 3; ++k)
+      if (k != main_) cells_ *= 2 * (reach_[k] + reach_[main_]) * perSize_ + 3;
+  }
+
+  RUBBLE_HD int slabs() const { return last_ - first_ + 1; }
+  /// Bound of the number of cells in all slabs.
+  RUBBLE_HD double cells() const { return cells_; }
+  /// Fraction of d at which the path enters a slab.
+  RUBBLE_HD double entry(int slab) const {
+    const auto [a, b] = crossing(slab);
+    return inverse_[main_] == 0 ? from_ : min(a, b);
+  }
+
+  /// look(entry) for the bodies in the cells of a slab.
+  template <class Look> RUBBLE_HD void visit(int slab, Look&& look) const {
+    double t0 = from_, t1 = min(until_, p_.limit);
+    if (inverse_[main_] != 0) {
+      const auto [a, b] = crossing(slab);
+      t0 = max(t0, min(a, b)), t1 = min(t1, max(a, b));
+    }
+    if (t0 > t1) return;
+    int lowest[3], highest[3];
+    for (int k = 0; k < 3; ++k) lowest[k] = low(k, t0, t1), highest[k] = high(k, t0, t1);
+    lowest[main_] = highest[main_] = number(slab);
+    for (int z = lowest[2]; z <= highest[2]; ++z)
+      for (int y = lowest[1]; y <= highest[1]; ++y) visitRow(lowest[0], highest[0], y, z, look);
+  }
+
+ private:
+  struct Crossing {
+    double a, b;
+  };
+  RUBBLE_HD int number(int slab) const { return p_.d[main_] >= 0 ? first_ + slab : last_ - slab; }
+  RUBBLE_HD Crossing crossing(int slab) const {
+    const double begin = number(slab) * size_ - p_.x[main_];
+    return {(begin - reach_[main_]) * inverse_[main_], (begin + size_ + reach_[main_]) * inverse_[main_]};
+  }
+  RUBBLE_HD int cell(double a) const { return static_cast<int>(floor(clamp(a * perSize_, -1e9, 1e9))); }
+  RUBBLE_HD int low(int k, double t0, double t1) const {
+    return cell(p_.x[k] + min(t0 * p_.d[k], t1 * p_.d[k]) - reach_[k]);
+  }
+  RUBBLE_HD int high(int k, double t0, double t1) const {
+    return cell(p_.x[k] + max(t0 * p_.d[k], t1 * p_.d[k]) + reach_[k]);
+  }
+  template <class Look> RUBBLE_HD void visitRow(int x0, int x1, int y, int z, Look&& look) const {
+    const Real size = cellSize(level_);
+    const RowOfCells row = rowOfCells(s_, level_, x0, x1, y, z);
+    const auto take = [&](const GridEntry& e) {
+      if (e.level != level_) return;
+      // cells of another row may share the bucket
+      const int x = cellOf(e.center.x, size);
+      if (x >= x0 && x <= x1 && cellOf(e.center.y, size) == y && cellOf(e.center.z, size) == z) look(e);
+    };
+    for (int k = row.begin; k < row.end; ++k) take(s_.grid[k]);
+    for (int k = 0; k < row.wrapped; ++k) take(s_.grid[k]);
+  }
+
+  const SolverData& s_;
+  const PathSearch& p_;
+  const Vec3d& inverse_;
+  int level_;
+  double size_;     ///< of cells [m]
+  double perSize_;  ///< exact, since sizes are powers of two [1/m]
+  int main_ = 0, first_ = 0, last_ = -1;
+  Vec3d reach_;
+  double from_ = 0, until_ = 0, cells_ = 0;
+};
+
+/// visit(body) for every body whose box may touch the moving box. Each body is visited once, slab by slab at
+/// each level, so near bodies come first. share(): all workers take over the narrowest search of one of them;
+/// then slabs beyond it are left out.
+template <class Visit, class Share, class Lanes>
+RUBBLE_HD void visitAlong(const SolverData& s, const PathSearch& p, Visit&& visit, Share&& share,
+                          const Lanes& lanes) {
+  const Vec3d inverse = inverseOf(p.d);
+  const auto look = [&](const GridEntry& e) {
+    if (passes(p.x - Vec3d(e.center), inverse, p.half + Vec3d(e.half), p.limit)) visit(e.body);
+  };
+  const int entries = s.bucketOffset[s.cells];
+  for (int level = 0; level < kGridLevels; ++level) {
+    if (s.counters->levelCount[level] == 0) continue;
+    share();
+    const LevelWalk walk(s, p, inverse, level);
     // with more cells than entries a scan of the entries is cheaper
-    const double cells = (double(last) - first + 1) * (2 * reach[u] / size + 2) * (2 * reach[v] / size + 2);
-    if (cells > 2.0 * incidences + 64) {
-      for (int k = lane; k < incidences; k += lanes)
-        if (s.grid[k].level == level) tryEntry(s.grid[k]);
+    if (walk.cells() > min(2.0 * entries + 64, static_cast<double>(s.cells))) {
+      for (int k = lanes.lane; k < entries; k += lanes.count)
+        if (s.grid[k].level == level) look(s.grid[k]);
       continue;
     }
-    const bool forward = d[m] >= 0;
-    for (int n = lane; n <= last - first; n += lanes) {
-      const int slab = forward ? first + n : last - n;
-      double t0 = from, t1 = min(until, limit);
-      if (d[m] != 0) {
-        const double a = (slab * size - reach[m] - x[m]) / d[m],
-                     b = ((slab + 1.0) * size + reach[m] - x[m]) / d[m];
-        t0 = max(t0, min(a, b)), t1 = min(t1, max(a, b));
-        if (t0 > t1) continue;
-      }
-      for (int cv = low(v, t0, t1); cv <= high(v, t0, t1); ++cv)
-        for (int cu = low(u, t0, t1); cu <= high(u, t0, t1); ++cu) {
-          int c[3];
-          c[m] = slab, c[u] = cu, c[v] = cv;
-          const int bucket = bucketOf(s, level, c[0], c[1], c[2]);
-          for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
-            const GridEntry& e = s.grid[k];
-            // another cell may share the bucket
-            const bool here = e.level == level && cellOf(e.center.x, cellSize(level)) == c[0] &&
-                              cellOf(e.center.y, cellSize(level)) == c[1] &&
-                              cellOf(e.center.z, cellSize(level)) == c[2];
-            if (here) tryEntry(e);
-          }
-        }
+    const int slabs = walk.slabs();
+    for (int slab = 0; slab < slabs && walk.entry(slab) <= p.limit; slab += lanes.count) {
+      if (slab + lanes.lane < slabs) walk.visit(slab + lanes.lane, look);
+      share();
     }
   }
-  for (int k = lane; k < s.planes; k += lanes) visit(s.planeBody[k]);
+  for (int k = lanes.lane; k < s.planes; k += lanes.count) visit(s.planeBody[k]);
 }
 
 }  // namespace rubble::RUBBLE_CORE
