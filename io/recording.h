@@ -119,7 +119,7 @@ class RecordingReader {
   const RecordingHeader& header() const;
   /// False if the writer did not come to its end: the frames are those that had been written by then.
   bool complete() const;
-  /// Size of the file, and of its part up to the end of the last frame that can be read [bytes].
+  /// Size of the file, and of its part up to the end of the last whole chunk [bytes].
   std::uint64_t fileBytes() const;
   std::uint64_t intactBytes() const;
   int frameCount() const;

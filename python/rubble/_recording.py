@@ -65,7 +65,8 @@ class Recording:
         gravity: (3,) [m/s2].
         resolution: Positions are multiples of it [m].
         complete: Whether the writer came to its end. If not, the frames are those that were written by then.
-        file_bytes, intact_bytes: Size of the file, and of its part up to the end of the last whole frame.
+        file_bytes, intact_bytes: Sizes of the file, and of its part up to the end of the last whole chunk
+            of frames [bytes].
     """
 
     def __init__(self, file: Path) -> None:
