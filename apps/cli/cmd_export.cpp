@@ -12,7 +12,7 @@
 #include "apps/cli/render_view.h"
 #include "apps/cli/session.h"
 #include "convert/out/export.h"
-#include "io/output_file.h"
+#include "convert/out/scratch.h"
 #include "render/palette.h"
 
 namespace rubble::cli {
@@ -109,9 +109,9 @@ int exportNow(const ExportCommand& command) {
   // A scene is recorded first: into the file that is named, or into one beside the output that goes away.
   PreparedJob prepared = withoutProbes(prepareJob(command.job));
   const scenes::Camera camera = prepared.job.camera;
-  std::optional<io::NewFile> scratch;
+  std::optional<convert::ScratchFile> scratch;
   if (command.recordFile.empty())
-    scratch.emplace((std::filesystem::path(command.out).parent_path() / "export.rubble").string());
+    scratch.emplace((std::filesystem::path(command.out).parent_path() / ".export.rubble").string());
   SessionOptions session;
   session.quiet = command.quiet;
   session.recordFile = scratch ? scratch->path() : command.recordFile;

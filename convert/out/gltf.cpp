@@ -8,6 +8,7 @@
 
 #include "convert/out/frames.h"
 #include "convert/out/prototypes.h"
+#include "convert/out/scratch.h"
 #include "io/byte_stream.h"
 #include "io/output_file.h"
 
@@ -313,7 +314,7 @@ class GltfWriter final : public FrameWriter {
 
   ExportJob job_;
   io::OutputFile out_;
-  io::NewFile rest_;  // never kept
+  ScratchFile rest_;
   std::fstream restFile_;
   std::vector<Block> blocks_;
   std::size_t written_ = 0;  ///< frames that are in blocks

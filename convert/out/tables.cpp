@@ -9,6 +9,7 @@
 #include <zlib.h>
 
 #include "convert/out/frames.h"
+#include "convert/out/scratch.h"
 #include "io/byte_stream.h"
 #include "io/output_file.h"
 
@@ -180,7 +181,7 @@ class Member {
   }
 
   std::string name_;
-  io::NewFile part_;  // never kept
+  ScratchFile part_;
   std::ofstream out_;
   uLong crc_ = 0;
   std::uint64_t size_ = 0, offset_ = 0;

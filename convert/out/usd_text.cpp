@@ -4,6 +4,7 @@
 #include <fstream>
 #include <map>
 
+#include "convert/out/scratch.h"
 #include "convert/out/usd_layer.h"
 #include "io/output_file.h"
 
@@ -101,7 +102,7 @@ class TextLayer final : public UsdLayer {
  private:
   /// Samples that are on the disk until the layer is finished.
   struct Rest {
-    io::NewFile name;  // never kept
+    ScratchFile name;
     std::ofstream out;
     explicit Rest(const std::string& file) : name(file), out(name.path(), std::ios::binary) {}
   };

@@ -42,11 +42,12 @@ TEST(MeshImport, HasTheMassOfWhatTheMeshBecomes) {
 TEST(MeshImport, StandsOnTheGroundInEveryForm) {
   constexpr double kSpacing = 2.7 / 12;
   // A hull of fewer corners than the mesh has leans a little.
-  for (const auto& [as, sinks] : {std::pair{convert::MeshAs::Hull, 0.03},
-                                  {convert::MeshAs::Parts, 0.002},
-                                  {convert::MeshAs::Distance, 0.5 * kSpacing},
-                                  {convert::MeshAs::Solid, 0.1 * kSpacing},
-                                  {convert::MeshAs::Cloth, 0.02}}) {
+  const std::pair<convert::MeshAs, double> wanted[] = {{convert::MeshAs::Hull, 0.03},
+                                                       {convert::MeshAs::Parts, 0.002},
+                                                       {convert::MeshAs::Distance, 0.5 * kSpacing},
+                                                       {convert::MeshAs::Solid, 0.1 * kSpacing},
+                                                       {convert::MeshAs::Cloth, 0.02}};
+  for (const auto& [as, sinks] : wanted) {
     SCOPED_TRACE(convert::meshKinds()[static_cast<std::size_t>(as)]);
     const ModelFolder folder;
     convert::MeshOptions options;
