@@ -40,10 +40,10 @@ class ObjWriter final : public FrameWriter {
  public:
   explicit ObjWriter(const ExportJob& job) : cast_(job.source.cast()), name_(job.file) {
     for (const io::RecordedBody& body : cast_.bodies) hasPlane_ |= body.shape.type == ShapeType::Plane;
-    if (hasPlane_) job.notes.push_back("planes, which have no end, are left out");
+    if (hasPlane_) job.notes.emplace_back("planes, which have no end, are left out");
     for (const io::RecordedSoft& soft : cast_.softs)
       if (soft.spheres) {
-        job.notes.push_back("particles are points without a size");
+        job.notes.emplace_back("particles are points without a size");
         break;
       }
     if (!job.options.resume || !isNumbered(name_)) return;

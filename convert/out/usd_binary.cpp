@@ -61,8 +61,9 @@ template <class T> constexpr Type typeOf() {
 using Bytes = std::vector<std::uint8_t>;
 
 template <class T> void append(Bytes& out, const T* values, std::size_t count) {
-  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(values);
-  out.insert(out.end(), bytes, bytes + count * sizeof(T));
+  const std::size_t before = out.size();
+  out.resize(before + count * sizeof(T));
+  if (count > 0) std::memcpy(out.data() + before, values, count * sizeof(T));
 }
 
 /// One chunk that holds an LZ4 block of literals alone.
