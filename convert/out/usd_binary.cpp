@@ -85,8 +85,8 @@ Bytes packBytes(const Bytes& content) {
 Bytes packIntegers(const std::vector<std::int32_t>& values) {
   constexpr std::uint8_t kAllWide = 255;
   constexpr std::size_t kInByte = 4;
-  Bytes content(4, 0);
-  content.insert(content.end(), (values.size() + kInByte - 1) / kInByte, kAllWide);
+  Bytes content(sizeof(std::int32_t) + (values.size() + kInByte - 1) / kInByte, kAllWide);
+  std::fill_n(content.begin(), sizeof(std::int32_t), std::uint8_t{0});
   std::uint32_t before = 0;
   for (const std::int32_t value : values) {
     const std::uint32_t difference = static_cast<std::uint32_t>(value) - before;
