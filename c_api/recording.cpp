@@ -33,6 +33,7 @@ rb_status rb_recorder_create(const rb_world* world, const char* file, const char
                              rb_recorder** recorder) {
   return guarded([&] {
     const World& recorded = worldOf(world);
+    io::requireRecordingName(textOr(file, ""));
     io::RecordingHeader header;
     header.scene = textOr(title, "");
     header.dt = recorded.params().dt;
@@ -76,7 +77,9 @@ rb_status rb_recording_info(const rb_recording* recording, const char** json) {
                        {"gravity", {header.gravity.x, header.gravity.y, header.gravity.z}},
                        {"resolution", header.resolution},
                        {"complete", reader.complete()},
-                       {"frames", reader.frameCount()}};
+                       {"frames", reader.frameCount()},
+                       {"file_bytes", reader.fileBytes()},
+                       {"intact_bytes", reader.intactBytes()}};
     need(json, "json") = keepText(info.dump());
   });
 }

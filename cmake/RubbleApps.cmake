@@ -36,14 +36,31 @@ if(RUBBLE_ZSTD_INCLUDE AND RUBBLE_ZSTD_LIBRARY)
   target_compile_definitions(rubble_io PUBLIC RUBBLE_HAS_ZSTD=1)
 endif()
 
+# Meshes as scenes. Formats other than OBJ, STL, PLY and MSH are read by assimp where it is found; RUBBLE_HAS_ASSIMP says so.
+find_path(RUBBLE_ASSIMP_INCLUDE assimp/Importer.hpp)
+find_library(RUBBLE_ASSIMP_LIBRARY assimp)
+rubble_add_library(rubble_meshes convert/mesh)
+target_link_libraries(rubble_meshes PUBLIC rubble_io)
+if(RUBBLE_ASSIMP_INCLUDE AND RUBBLE_ASSIMP_LIBRARY)
+  target_include_directories(rubble_meshes SYSTEM PRIVATE ${RUBBLE_ASSIMP_INCLUDE})
+  target_link_libraries(rubble_meshes PRIVATE ${RUBBLE_ASSIMP_LIBRARY})
+  target_compile_definitions(rubble_meshes PUBLIC RUBBLE_HAS_ASSIMP=1)
+endif()
+rubble_precompile(rubble_meshes <nlohmann/json.hpp>)
+
 # Models of robots as scenes. Left out where pugixml is missing; RUBBLE_HAS_CONVERT says whether it is in.
 find_package(pugixml QUIET)
 if(pugixml_FOUND)
   rubble_add_library(rubble_convert convert)
-  target_link_libraries(rubble_convert PUBLIC rubble_io pugixml::pugixml)
+  target_link_libraries(rubble_convert PUBLIC rubble_meshes rubble_io pugixml::pugixml)
   target_compile_definitions(rubble_convert PUBLIC RUBBLE_HAS_CONVERT=1)
   rubble_precompile(rubble_convert <nlohmann/json.hpp> <pugixml.hpp>)
 endif()
+
+# Recordings as files of other programs.
+rubble_add_library(rubble_export convert/out)
+target_link_libraries(rubble_export PUBLIC rubble_io PRIVATE ZLIB::ZLIB)
+rubble_precompile(rubble_export <nlohmann/json.hpp>)
 
 include(RubbleRender)
 
@@ -53,7 +70,7 @@ if(RUBBLE_APPS)
   get_target_property(sources rubble_commands SOURCES)
   list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/apps/cli/main.cpp)
   set_target_properties(rubble_commands PROPERTIES SOURCES "${sources}")
-  target_link_libraries(rubble_commands PUBLIC rubble_render rubble_io rubble_scenes CLI11::CLI11 fmt::fmt)
+  target_link_libraries(rubble_commands PUBLIC rubble_render rubble_export rubble_meshes rubble_io rubble_scenes CLI11::CLI11 fmt::fmt)
   if(TARGET rubble_convert)
     target_link_libraries(rubble_commands PUBLIC rubble_convert)
   endif()

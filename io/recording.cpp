@@ -129,6 +129,7 @@ struct RecordingReader::Impl {
   std::vector<int> firstFrames;  ///< of each chunk
   int frameCount = 0;
   bool complete = false;
+  std::uint64_t intact = 0;  ///< end of the last chunk of a file without an index, or of the file
   // What was read last: a chunk of frames by its place in `chunks`, the bodies by the offset of theirs.
   std::optional<std::size_t> framesOf;
   std::optional<std::uint64_t> bodiesOffset;
@@ -186,11 +187,13 @@ struct RecordingReader::Impl {
     if (!decoded) in.fail(offset, "the index of a trajectory", "other content");
     chunks = *decoded;
     complete = true;
+    intact = in.size();
   }
 
   /// Finds the chunks of a file without an index, up to one that is cut off.
   void walk(std::uint64_t offset) {
     std::uint64_t bodyOffset = 0;
+    intact = offset;
     while (const auto head = in.head(offset)) {
       if (head->name == kBody) bodyOffset = offset;
       if (head->name == kFrames) {
@@ -201,14 +204,15 @@ struct RecordingReader::Impl {
         chunks.push_back({offset, bodyOffset, count});
       }
       offset = head->end;
+      intact = offset;
       // Behind the index comes the footer, and this file has not got a whole one.
       if (head->name == kIndex && in.size() - offset >= kFooterSize)
         in.fail(offset, "the footer of a trajectory", "other content");
     }
   }
 
-  /// Makes the chunk of a frame the present one; returns the frame's place in it.
-  std::size_t load(int frame) {
+  /// The chunk that a frame is in. Its tables are the present ones then.
+  std::size_t loadObjects(int frame) {
     if (frame < 0 || frame >= frameCount)
       throw Error("recording.frame", "one of " + std::to_string(frameCount) + " frames",
                   std::to_string(frame));
@@ -217,8 +221,6 @@ struct RecordingReader::Impl {
                            firstFrames.begin()) -
                        1;
     const FrameChunk& chunk = chunks[place];
-    if (framesOf == place) return static_cast<std::size_t>(frame - firstFrames[place]);
-    framesOf.reset();
     if (chunk.bodyOffset != bodiesOffset) {
       bodiesOffset.reset();
       auto decoded = decodeObjects(need(chunk.bodyOffset, kBody, "the bodies of a trajectory").content,
@@ -227,6 +229,15 @@ struct RecordingReader::Impl {
       objects = std::move(*decoded);
       bodiesOffset = chunk.bodyOffset;
     }
+    return place;
+  }
+
+  /// Makes the chunk of a frame the present one; returns the frame's place in it.
+  std::size_t load(int frame) {
+    const std::size_t place = loadObjects(frame);
+    const FrameChunk& chunk = chunks[place];
+    if (framesOf == place) return static_cast<std::size_t>(frame - firstFrames[place]);
+    framesOf.reset();
     auto decoded = decodeFrames(need(chunk.offset, kFrames, "frames").content, objects.bodies.size(),
                                 objects.vertexCount(), header.resolution, version);
     if (!decoded || decoded->size() != static_cast<std::size_t>(chunk.frameCount))
@@ -252,13 +263,22 @@ RecordedFrame RecordingReader::frame(int index) {
   const std::size_t place = impl_->load(index);
   return impl_->frames[place];
 }
+std::uint64_t RecordingReader::fileBytes() const { return impl_->in.size(); }
+std::uint64_t RecordingReader::intactBytes() const { return impl_->intact; }
 const std::vector<RecordedBody>& RecordingReader::bodies(int frameIndex) {
-  impl_->load(frameIndex);
+  impl_->loadObjects(frameIndex);
   return impl_->objects.bodies;
 }
 const std::vector<RecordedSoft>& RecordingReader::softs(int frameIndex) {
-  impl_->load(frameIndex);
+  impl_->loadObjects(frameIndex);
   return impl_->objects.softs;
+}
+std::vector<int> RecordingReader::changes() const {
+  std::vector<int> out;
+  for (std::size_t i = 0; i < impl_->chunks.size(); ++i)
+    if (i == 0 || impl_->chunks[i].bodyOffset != impl_->chunks[i - 1].bodyOffset)
+      out.push_back(impl_->firstFrames[i]);
+  return out;
 }
 
 }  // namespace rubble::io

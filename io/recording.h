@@ -66,6 +66,11 @@ class RecordingReader;
 /// Bodies and deformable objects of a frame as they are drawn; speeds come from the frame before, or from the
 /// one after the first.
 std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameIndex);
+/// How much of an incomplete recording is there, "120 frames (2.00 s) in 3.41 of 3.50 MB"; "" for a complete
+/// one.
+std::string remainder(RecordingReader& recording);
+/// Throws Error unless the name ends in ".rubble", which is what readers know a recording by.
+void requireRecordingName(const std::string& file);
 /// The first frame that was taken after so many steps or more; the last one if there is none.
 int frameAfter(RecordingReader& recording, std::int64_t steps);
 
@@ -114,10 +119,17 @@ class RecordingReader {
   const RecordingHeader& header() const;
   /// False if the writer did not come to its end: the frames are those that had been written by then.
   bool complete() const;
+  /// Size of the file, and of its part up to the end of the last whole chunk [bytes].
+  std::uint64_t fileBytes() const;
+  std::uint64_t intactBytes() const;
   int frameCount() const;
   RecordedFrame frame(int index);
+  /// The tables of a frame, without a look at its poses. Valid until the next call.
   const std::vector<RecordedBody>& bodies(int frameIndex);
   const std::vector<RecordedSoft>& softs(int frameIndex);
+  /// Frames from which on bodies() or softs() differ from those of the frame before, in order; the first is
+  /// 0.
+  std::vector<int> changes() const;
 
  private:
   struct Impl;

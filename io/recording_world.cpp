@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 
 namespace rubble::io {
 
@@ -106,6 +108,24 @@ std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameInde
   }
   addDeformables(softs, drawn);
   return drawn;
+}
+
+std::string remainder(RecordingReader& recording) {
+  if (recording.complete()) return "";
+  constexpr double kMegabyte = 1e6;
+  const int frames = recording.frameCount();
+  char text[128];
+  std::snprintf(text, sizeof text, "%d frames (%.2f s) in %.2f of %.2f MB", frames,
+                frames > 0 ? recording.frame(frames - 1).time - recording.frame(0).time : 0.,
+                static_cast<double>(recording.intactBytes()) / kMegabyte,
+                static_cast<double>(recording.fileBytes()) / kMegabyte);
+  return text;
+}
+
+void requireRecordingName(const std::string& file) {
+  if (std::filesystem::path(file).extension() != ".rubble")
+    throw Error(file, "a recording, a name that ends in .rubble; `rubble export` makes other formats of it",
+                "\"" + std::filesystem::path(file).extension().string() + "\"");
 }
 
 int frameAfter(RecordingReader& recording, std::int64_t steps) {

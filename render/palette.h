@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "io/picture.h"
-#include "render/bodies.h"
+#include "render/body_look.h"
 
 namespace rubble::render {
 

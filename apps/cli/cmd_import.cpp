@@ -1,7 +1,10 @@
+#include <algorithm>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/cli/command.h"
-#include "apps/cli/job.h"
+#include "apps/cli/mesh_options.h"
 #include "apps/cli/output.h"
 
 #if defined(RUBBLE_HAS_CONVERT)
@@ -13,9 +16,11 @@ namespace {
 
 struct ImportCommand {
   JobOptions job;
-  std::string sceneFile, jsonFile, key, srdf;
+  SceneOutput output;
+  convert::MeshOptions mesh;
+  std::string jsonFile, key, srdf, as = convert::meshKinds().front();
   std::vector<std::string> packages, folders;
-  bool floatingBase = false, strict = false, quiet = false, run = false, view = false;
+  bool floatingBase = false, strict = false;
 };
 
 #if defined(RUBBLE_HAS_CONVERT)
@@ -33,12 +38,13 @@ convert::ImportOptions optionsOf(const ImportCommand& command) {
   return options;
 }
 
-int import(const ImportCommand& command) {
+int importRobot(const ImportCommand& command) {
   convert::Import import = convert::importModel(command.job.scene, optionsOf(command));
   const bool refused = command.strict && !import.report.exact();
-  const bool toStandardOutput = command.jsonFile == "-" || command.sceneFile == "-";
-  if (!command.quiet || refused)
-    fmt::print(toStandardOutput ? stderr : stdout, "{}", convert::textOf(import.report, !command.quiet));
+  const bool toStandardOutput = command.jsonFile == "-" || command.output.sceneFile == "-";
+  if (!command.output.quiet || refused)
+    fmt::print(toStandardOutput ? stderr : stdout, "{}",
+               convert::textOf(import.report, !command.output.quiet));
   if (!command.jsonFile.empty()) writeOutput(command.jsonFile, convert::jsonOf(import.report));
   if (refused) {
     fmt::print(stderr,
@@ -46,31 +52,42 @@ int import(const ImportCommand& command) {
                command.job.scene);
     return kBadInput;
   }
-  if (!command.sceneFile.empty()) writeOutput(command.sceneFile, io::toJson(import.file));
+  if (!command.output.sceneFile.empty()) writeOutput(command.output.sceneFile, io::toJson(import.file));
   JobOptions job = command.job;
   job.file = std::make_shared<const io::SceneFile>(std::move(import.file));
-  if (command.view) return viewJob(job);
-  return command.run ? runJob(job) : kHolds;
+  if (command.output.view) return viewJob(job);
+  return command.output.run ? runJob(job) : kHolds;
 }
 #else
-int import(const ImportCommand&) {
+int importRobot(const ImportCommand&) {
   throw Error("import", "a build with pugixml (Debian: apt-get install libpugixml-dev)", "one without");
 }
 #endif
+
+int import(ImportCommand& command) {
+  if (!convert::isMeshFile(command.job.scene)) return importRobot(command);
+  if (!command.jsonFile.empty() || command.strict)
+    throw Error("--json, --strict", "a robot model, which has a report of its elements", command.job.scene);
+  const std::vector<std::string>& kinds = convert::meshKinds();
+  const auto kind = std::find(kinds.begin(), kinds.end(), command.as);
+  if (kind == kinds.end()) throw Error("--as", fmt::format("{}", fmt::join(kinds, ", ")), command.as);
+  command.mesh.as = static_cast<convert::MeshAs>(kind - kinds.begin());
+  return finishMesh(convert::importMesh(command.job.scene, command.mesh), command.job, command.output);
+}
 
 }  // namespace
 
 void addImport(CLI::App& app, int& status) {
   auto command = std::make_shared<ImportCommand>();
-  CLI::App* sub = app.add_subcommand("import",
-                                     "Make a scene of a robot model (MJCF, URDF), and report what is in it");
-  sub->add_option("file", command->job.scene, "A model: MJCF (.xml) or URDF (.urdf)")->required();
-  sub->add_option("-o,--output", command->sceneFile, "Write the scene; '-' is standard output")
-      ->type_name("FILE");
+  CLI::App* sub = app.add_subcommand(
+      "import", "Make a scene of a robot model (MJCF, URDF) or a mesh, and report what is in it");
+  sub->add_option("file", command->job.scene,
+                  "A model: MJCF (.xml) or URDF (.urdf), or a mesh: .obj, .stl, .ply, .msh; with assimp also "
+                  ".dae, .gltf")
+      ->required();
+  addSceneOutput(*sub, command->output);
   sub->add_option("--json", command->jsonFile, "Write the report as JSON; '-' is standard output")
       ->type_name("FILE");
-  sub->add_flag("--run", command->run, "Run the scene as 'rubble run' does");
-  sub->add_flag("--view", command->view, "Open a window on it as 'rubble view' does");
   sub->add_flag("--strict", command->strict, "Refuse a model of which anything would be lost or approximate");
   sub->add_option("--key", command->key, "MJCF: keyframe to start in, by name or index")->type_name("NAME");
   sub->add_option("--package", command->packages, "URDF: folder of a ROS package; may be repeated")
@@ -83,7 +100,18 @@ void addImport(CLI::App& app, int& status) {
   sub->add_option("--srdf", command->srdf, "URDF: an SRDF file with pairs that do not collide")
       ->type_name("FILE");
   sub->add_flag("--floating-base", command->floatingBase, "URDF: the root link moves freely");
-  sub->add_flag("-q,--quiet", command->quiet,
+  sub->add_option("--as", command->as,
+                  fmt::format("Mesh: what it becomes: {}", fmt::join(convert::meshKinds(), ", ")))
+      ->capture_default_str();
+  addMeshOptions(*sub, command->mesh);
+  sub->add_option("--concavity", command->mesh.concavity,
+                  "Mesh as parts: volume of the hulls beyond that of the mesh, as a share of it")
+      ->capture_default_str();
+  sub->add_option("--parts", command->mesh.parts, "Mesh as parts: at most")->capture_default_str();
+  sub->add_option("--cells", command->mesh.cells, "Mesh as distance or solid: cells along its longest side")
+      ->check(CLI::Range(4, 256))
+      ->capture_default_str();
+  sub->add_flag("-q,--quiet", command->output.quiet,
                 "Report only what is lost or approximate, and only with --strict");
   addSolverOptions(*sub, command->job);
   addBackendOptions(*sub, command->job);

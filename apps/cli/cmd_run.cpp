@@ -61,7 +61,10 @@ void addRun(CLI::App& app, int& status) {
   command->add_flag("--series", options->series,
                     "Have time, step time, energy and errors of every step in the report, for 'rubble plot'");
   command->add_flag("--no-stages", options->noStages, "Without the clocks of stages, as in 'rubble bench'");
-  command->add_option("--record", options->recordFile, "Write the trajectory of every body")
+  command
+      ->add_option("--record", options->recordFile,
+                   "Write the trajectory of every body and vertex (.rubble); 'rubble export' makes other "
+                   "formats of it")
       ->type_name("FILE");
   addPictureOptions(*command, options->picture, "--picture");
   command->add_flag("-q,--quiet", options->quiet,

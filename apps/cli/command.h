@@ -21,6 +21,8 @@ void addBench(CLI::App& app, int& status);
 void addCheck(CLI::App& app, int& status);
 void addCompare(CLI::App& app, int& status);
 void addDemo(CLI::App& app, int& status);
+void addExport(CLI::App& app, int& status);
+void addFracture(CLI::App& app, int& status);
 void addImport(CLI::App& app, int& status);
 void addInfo(CLI::App& app, int& status);
 void addPicture(CLI::App& app, int& status);

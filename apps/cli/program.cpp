@@ -52,6 +52,8 @@ void addProgram(CLI::App& app, int& status) {
   addCheck(app, status);
   addCompare(app, status);
   addDemo(app, status);
+  addExport(app, status);
+  addFracture(app, status);
   addImport(app, status);
   addInfo(app, status);
   addPicture(app, status);

@@ -17,6 +17,7 @@ class Recorder {
  public:
   Recorder(const std::string& file, const std::string& title, World& world) {
     if (file.empty()) return;
+    io::requireRecordingName(file);
     learn(world);
     const double resolution = io::recordingResolution(bodies_, io::recordedSofts(world));
     writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), resolution});

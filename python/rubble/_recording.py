@@ -19,7 +19,7 @@ class Recorder:
 
     Args:
         world: Whose frames are written.
-        file: Name of the file; `rubble view` and `Recording` read it.
+        file: Name of the file, which ends in ".rubble"; `rubble view` and `Recording` read it.
         title: Shown by the viewer.
         resolution: Positions are rounded to multiples of it [m]; 0: one that no picture shows.
     """
@@ -64,7 +64,9 @@ class Recording:
         dt: Time between two steps [s].
         gravity: (3,) [m/s2].
         resolution: Positions are multiples of it [m].
-        complete: Whether the writer came to its end.
+        complete: Whether the writer came to its end. If not, the frames are those that were written by then.
+        file_bytes, intact_bytes: Sizes of the file, and of its part up to the end of the last whole chunk
+            of frames [bytes].
     """
 
     def __init__(self, file: Path) -> None:
@@ -76,6 +78,8 @@ class Recording:
         self.gravity = np.array(info["gravity"])
         self.resolution: float = info["resolution"]
         self.complete: bool = info["complete"]
+        self.file_bytes: int = info["file_bytes"]
+        self.intact_bytes: int = info["intact_bytes"]
         self._count: int = info["frames"]
 
     @property
@@ -111,4 +115,5 @@ class Recording:
         return Painter.shared(self, options).draw_frame(self, self._index(index), options)
 
     def __repr__(self) -> str:
-        return f"<rubble.Recording {self._file!r}, {self._count} frames>"
+        torn = "" if self.complete else f", cut off at {self.intact_bytes} of {self.file_bytes} bytes"
+        return f"<rubble.Recording {self._file!r}, {self._count} frames{torn}>"

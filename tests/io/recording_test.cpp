@@ -107,6 +107,9 @@ TEST(Recording, FramesComeBackInAnyOrder) {
   EXPECT_EQ(reader.header().gravity, (Vec3{0, 0, -9.81}));
   ASSERT_EQ(reader.frameCount(), 100);
   for (const int index : {0, 99, 39, 40, 31, 32, 33, 71, 72, 5}) expectFrame(reader, index, trajectory);
+  EXPECT_EQ(reader.changes(), (std::vector<int>{0, 40}));
+  EXPECT_EQ(reader.intactBytes(), reader.fileBytes());
+  EXPECT_EQ(remainder(reader), "");
   EXPECT_THROW(reader.frame(100), Error);
   EXPECT_THROW(reader.frame(-1), Error);
 }
@@ -306,6 +309,9 @@ TEST(Recording, AFileThatIsCutOffGivesItsWholeChunks) {
     RecordingReader reader(file.path);
     EXPECT_FALSE(reader.complete()) << size;
     ASSERT_EQ(reader.frameCount(), framesBefore[whole]) << size;
+    EXPECT_EQ(reader.intactBytes(), boundaries[whole]) << size;
+    EXPECT_EQ(reader.fileBytes(), size);
+    EXPECT_NE(remainder(reader).find(std::to_string(framesBefore[whole]) + " frames"), std::string::npos);
     if (reader.frameCount() > 0) expectFrame(reader, reader.frameCount() - 1, trajectory);
   }
 }

@@ -145,6 +145,16 @@ class Recordings(Case):
             self.assertEqual([body["name"] for body in recording.objects()["bodies"]], ["ground", "crate"])
             self.assertEqual(recording[-1].step, 40)
             self.assertRaises(IndexError, lambda: recording[40])
+            size = os.path.getsize(file)
+            self.assertEqual((recording.file_bytes, recording.intact_bytes), (size, size))
+            os.truncate(file, size * 9 // 10)
+            torn = rubble.Recording(file)
+            self.assertFalse(torn.complete)
+            self.assertTrue(0 < torn.intact_bytes <= torn.file_bytes == size * 9 // 10)
+            self.assertEqual(len(torn), 32)
+            self.assertNear(torn[31].positions[1], written[31], torn.resolution)
+            self.assertIn("cut off", repr(torn))
+            self.assertRaises(rubble.Error, lambda: rubble.Recorder(world, os.path.join(folder, "out.csv")))
         self.assertRaises(rubble.Error, lambda: rubble.Recording(os.path.join(folder, "none.rubble")))
 
 

@@ -1,0 +1,164 @@
+#include "convert/out/frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <rubble/error.h>
+
+#include "cook/shape_mesh.h"
+
+namespace rubble::convert {
+namespace {
+
+constexpr Vec3 kGray{0.5, 0.5, 0.5};
+/// Sides of a circle.
+constexpr int kSegments = 24;
+
+std::string uniqueName(std::string name, const std::string& kind, int index, std::set<std::string>& taken) {
+  if (name.empty()) name = kind + "_" + std::to_string(index);
+  std::string unique = name;
+  for (int k = 2; !taken.insert(unique).second; ++k) unique = name + "_" + std::to_string(k);
+  return unique;
+}
+
+}  // namespace
+
+FrameSource::FrameSource(io::RecordingReader& recording, const ExportOptions& options)
+    : recording_(recording), from_(options.from), every_(options.every), changes_(recording.changes()) {
+  const int last = options.to < 0 ? recording.frameCount() - 1 : options.to;
+  if (every_ < 1) throw Error("--every", "a number of frames above 0", std::to_string(every_));
+  if (from_ < 0 || from_ > last || last >= recording.frameCount())
+    throw Error("--from, --to", "frames 0 to " + std::to_string(recording.frameCount() - 1),
+                std::to_string(from_) + " to " + std::to_string(last));
+  count_ = (last - from_) / every_ + 1;
+  const int next = std::min(from_ + every_, recording.frameCount() - 1);
+  interval_ = recording.frame(next).time - recording.frame(from_).time;
+  if (!(interval_ > 0)) interval_ = recording.header().dt;
+
+  std::map<std::pair<std::int32_t, std::uint32_t>, int> bodyNumber, softNumber;
+  std::set<std::string> bodyNames, softNames;
+  std::vector<std::size_t> used;
+  for (std::size_t k = 0; k < changes_.size(); ++k) {
+    Rows& rows = rows_.emplace_back();
+    if (changes_[k] > last) break;
+    if (k + 1 < changes_.size() && changes_[k + 1] <= from_) continue;
+    for (const io::RecordedBody& body : recording.bodies(changes_[k])) {
+      const auto [at, isNew] = bodyNumber.try_emplace({body.id.index, body.id.generation},
+                                                      static_cast<int>(cast_.bodies.size()));
+      if (isNew) {
+        cast_.bodies.push_back(body);
+        cast_.bodyNames.push_back(uniqueName(body.name, "body", body.id.index, bodyNames));
+      }
+      rows.bodies.push_back(at->second);
+    }
+    for (const io::RecordedSoft& soft : recording.softs(changes_[k])) {
+      const auto [at, isNew] = softNumber.try_emplace({soft.id.index, soft.id.generation},
+                                                      static_cast<int>(cast_.softs.size()));
+      if (isNew) {
+        cast_.firstVertices.push_back(cast_.vertexCount);
+        cast_.vertexCount += static_cast<std::size_t>(soft.vertices);
+        cast_.softs.push_back(soft);
+        cast_.softNames.push_back(uniqueName(soft.name, "deformable", soft.id.index, softNames));
+      }
+      rows.softs.push_back(at->second);
+    }
+    used.push_back(k);
+  }
+  for (const std::size_t k : used)
+    cast_.bodiesChange = cast_.bodiesChange || rows_[k].bodies.size() != cast_.bodies.size();
+}
+
+const FrameSource::Rows& FrameSource::rowsOf(int index) {
+  const auto next = std::upper_bound(changes_.begin(), changes_.end(), index);
+  return rows_[static_cast<std::size_t>(next - changes_.begin()) - 1];
+}
+
+ExportFrame FrameSource::read(int number) {
+  const int index = from_ + number * every_;
+  io::RecordedFrame frame = recording_.frame(index);
+  const Rows& rows = rowsOf(index);
+  ExportFrame out;
+  out.number = number;
+  out.newObjects = number == 0 || &rows != &rowsOf(index - every_);
+  out.step = frame.step, out.time = frame.time;
+  out.bodies = rows.bodies, out.softs = rows.softs;
+  if (!rows.softs.empty()) out.looks = recording_.softs(index);
+  fillVelocities(index, frame, rows, out);
+  out.poses = std::move(frame.poses), out.vertices = std::move(frame.vertices);
+  return out;
+}
+
+void FrameSource::fillVelocities(int index, const io::RecordedFrame& frame, const Rows& rows,
+                                 ExportFrame& out) {
+  out.velocities.assign(frame.poses.size(), {});
+  out.vertexVelocities.assign(frame.vertices.size(), {});
+  const int other = index > 0 ? index - 1 : std::min(1, recording_.frameCount() - 1);
+  const Rows& before = rowsOf(other);
+  // Rows are made for the exported frames alone.
+  if (before.bodies.empty() && before.softs.empty()) return;
+  const io::RecordedFrame neighbor = recording_.frame(other);
+  const double apart = frame.time - neighbor.time;
+  if (apart == 0) return;
+  const double rate = 1 / apart;
+  if (&before == &rows || before.bodies == rows.bodies) {
+    for (std::size_t i = 0; i < frame.poses.size(); ++i)
+      out.velocities[i] = (frame.poses[i].position - neighbor.poses[i].position) * rate;
+  } else {
+    std::vector<int> rowOf(cast_.bodies.size(), -1);
+    for (std::size_t i = 0; i < before.bodies.size(); ++i)
+      rowOf[static_cast<std::size_t>(before.bodies[i])] = static_cast<int>(i);
+    for (std::size_t i = 0; i < frame.poses.size(); ++i) {
+      const int row = rowOf[static_cast<std::size_t>(rows.bodies[i])];
+      if (row < 0) continue;
+      const Vec3& from = neighbor.poses[static_cast<std::size_t>(row)].position;
+      out.velocities[i] = (frame.poses[i].position - from) * rate;
+    }
+  }
+  if (before.softs != rows.softs || neighbor.vertices.size() != frame.vertices.size()) return;
+  for (std::size_t i = 0; i < frame.vertices.size(); ++i)
+    out.vertexVelocities[i] = (frame.vertices[i] - neighbor.vertices[i]) * rate;
+}
+
+Vec3 ExportJob::colorOf(const io::RecordedBody& body, const io::RecordedPose& pose) const {
+  if (!options.color) return kGray;
+  return options.color({body.shape, pose.position, pose.orientation, 0,
+                        static_cast<std::uint32_t>(body.id.index), body.motion});
+}
+
+Vec3 ExportJob::colorOf(const io::RecordedSoft& soft) const {
+  if (!options.color) return kGray;
+  io::PictureBody drawn;
+  drawn.deforms = true;
+  drawn.key = io::kSoftKeys | (static_cast<std::uint32_t>(soft.id.index) << io::kSoftKeyBits);
+  return options.color(drawn);
+}
+
+int upAxis(const Vec3& gravity) { return std::fabs(gravity.y) > std::fabs(gravity.z) ? 1 : 2; }
+
+Surface surfaceOf(const Shape& shape, double planeSize) {
+  Surface out;
+  if (shape.type == ShapeType::Plane) {
+    const double h = planeSize;
+    out.points = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
+    out.triangles = {{0, 1, 2}, {0, 2, 3}};
+    return out;
+  }
+  const ShapeMesh mesh = shapeMesh(shape, kSegments);
+  std::map<std::array<double, 3>, int> numbers;
+  std::vector<int> numberOf;
+  for (const Vec3& x : mesh.points) {
+    const auto [at, isNew] = numbers.try_emplace({x.x + 0.0, x.y + 0.0, x.z + 0.0},
+                                                 static_cast<int>(out.points.size()));
+    if (isNew) out.points.push_back(x);
+    numberOf.push_back(at->second);
+  }
+  for (const std::array<int, 3>& t : mesh.triangles) {
+    std::array<int, 3> own;
+    for (std::size_t k = 0; k < 3; ++k) own[k] = numberOf[static_cast<std::size_t>(t[k])];
+    if (own[0] != own[1] && own[1] != own[2] && own[2] != own[0]) out.triangles.push_back(own);
+  }
+  return out;
+}
+
+}  // namespace rubble::convert

@@ -1,0 +1,107 @@
+#pragma once
+/// Frames of a recording as exporters read them.
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "convert/out/export.h"
+
+namespace rubble::convert {
+
+/// All bodies and deformable objects of a recording, in the order in which they appear first.
+struct Cast {
+  std::vector<io::RecordedBody> bodies;
+  std::vector<io::RecordedSoft> softs;
+  std::vector<std::size_t> firstVertices;         ///< of each deformable object among the vertices of all
+  std::size_t vertexCount = 0;                    ///< of all deformable objects
+  bool bodiesChange = false;                      ///< do bodies come or go within the frames?
+  std::vector<std::string> bodyNames, softNames;  ///< their own, or "body_12"; no two are equal
+};
+
+/// A frame. The rows of bodies and vertices are those of the recording.
+struct ExportFrame {
+  int number = 0;           ///< among those that are exported, from 0
+  bool newObjects = false;  ///< the first frame, or one whose objects differ from those of the frame before
+  std::int64_t step = 0;    ///< steps taken before it
+  double time = 0;          ///< [s]
+  std::vector<int> bodies;  ///< of each row, in Cast::bodies
+  std::vector<io::RecordedPose> poses;
+  std::vector<Vec3> velocities;         ///< of the origins of the bodies [m/s]
+  std::vector<int> softs;               ///< in Cast::softs
+  std::vector<io::RecordedSoft> looks;  ///< of `softs`, with the triangles and segments that are left
+  std::vector<Vec3> vertices;           ///< of `softs`, one after the other; world [m]
+  std::vector<Vec3> vertexVelocities;   ///< [m/s]
+};
+
+/// Reads frames from first to last. Velocities are those since the recorded frame before; in the first frame
+/// of the recording those until the next one. Bodies that just appeared have none.
+class FrameSource {
+ public:
+  /// Throws Error for frames that the recording lacks.
+  FrameSource(io::RecordingReader& recording, const ExportOptions& options);
+
+  const Cast& cast() const { return cast_; }
+  const io::RecordingHeader& header() const { return recording_.header(); }
+  int count() const { return count_; }
+  /// Time from one frame to the next [s].
+  double interval() const { return interval_; }
+  ExportFrame read(int number);
+
+ private:
+  struct Rows {
+    std::vector<int> bodies, softs;
+  };
+  const Rows& rowsOf(int index);
+  void fillVelocities(int index, const io::RecordedFrame& frame, const Rows& rows, ExportFrame& out);
+
+  io::RecordingReader& recording_;
+  int from_, every_, count_;
+  double interval_ = 0;
+  Cast cast_;
+  std::vector<int> changes_;
+  std::vector<Rows> rows_;  ///< of the tables that begin at each of `changes_`
+};
+
+/// Writes one format. Frames come in order.
+class FrameWriter {
+ public:
+  virtual ~FrameWriter() = default;
+  /// Frames at the start that are there already; the first to come is the next one.
+  virtual int kept() const { return 0; }
+  virtual void write(const ExportFrame& frame) = 0;
+  virtual void finish() = 0;
+};
+
+/// What a writer is made with.
+struct ExportJob {
+  std::string file;
+  const ExportOptions& options;
+  const FrameSource& source;
+  std::vector<std::string>& notes;
+
+  Vec3 colorOf(const io::RecordedBody& body, const io::RecordedPose& pose) const;
+  Vec3 colorOf(const io::RecordedSoft& soft) const;
+};
+
+std::unique_ptr<FrameWriter> usdWriter(const ExportJob& job, bool asText);
+std::unique_ptr<FrameWriter> gltfWriter(const ExportJob& job);
+std::unique_ptr<FrameWriter> objWriter(const ExportJob& job);
+std::unique_ptr<FrameWriter> csvWriter(const ExportJob& job);
+std::unique_ptr<FrameWriter> npzWriter(const ExportJob& job);
+
+/// Does the name have a place for the number of a frame, "%d" or "%04d"?
+bool isNumbered(const std::string& file);
+
+/// The axis that gravity points along most, 1 (y) or 2 (z); 2 without gravity. Up is against it.
+int upAxis(const Vec3& gravity);
+
+/// The surface of a shape in its frame, triangles counter-clockwise from outside. Vertices at one place are
+/// one. A plane is a square with a half edge of `planeSize` [m].
+struct Surface {
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 3>> triangles;
+};
+Surface surfaceOf(const Shape& shape, double planeSize);
+
+}  // namespace rubble::convert
