@@ -62,8 +62,8 @@ inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes:
 ///   Derived    computed on the host from authored data
 ///   State      kept from step to step
 ///   Work       valid inside one step
-///   Unordered  like Work; the order of its elements, or what is left of counters, is not fixed and does not
-///              influence results
+///   Unordered  like Work; the order of its elements, or what is left of counters and beyond the members of a
+///              list, is not fixed and does not influence results
 enum class Lifetime { Authored, Derived, State, Work, Unordered };
 
 /// Pairs that a body may own before the broad phase runs again with more room.
