@@ -88,85 +88,93 @@ class QueryShapes {
 }  // namespace
 
 std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
-  const auto isValid = [](const RayQuery& ray) {
-    return checks::isFinite(ray.origin) && checks::isFinite(ray.direction) && length(ray.direction) > 0 &&
-           ray.maxDistance > 0 && checks::isFinite(Vec3{ray.maxDistance, 0, 0});
-  };
-  std::vector<EngineQuery> queries(rays.size());
-  std::atomic<bool> valid = true;
-  forEachIndex(rays.size(), [&](std::size_t i) {
-    const RayQuery& ray = rays[i];
-    if (!isValid(ray)) valid = false;
-    queries[i] = filtered(EngineQuery::Ray, ray.filter, impl_->registry);
-    queries[i].position = ray.origin;
-    queries[i].move = ray.direction * (ray.maxDistance / length(ray.direction));
+  return withMemory("castRays", [&] {
+    const auto isValid = [](const RayQuery& ray) {
+      return checks::isFinite(ray.origin) && checks::isFinite(ray.direction) && length(ray.direction) > 0 &&
+             ray.maxDistance > 0 && checks::isFinite(Vec3{ray.maxDistance, 0, 0});
+    };
+    std::vector<EngineQuery> queries(rays.size());
+    std::atomic<bool> valid = true;
+    forEachIndex(rays.size(), [&](std::size_t i) {
+      const RayQuery& ray = rays[i];
+      if (!isValid(ray)) valid = false;
+      queries[i] = filtered(EngineQuery::Ray, ray.filter, impl_->registry);
+      queries[i].position = ray.origin;
+      queries[i].move = ray.direction * (ray.maxDistance / length(ray.direction));
+    });
+    if (!valid)
+      for (std::size_t i = 0; i < rays.size(); ++i) checkRay(rays[i], i);
+    impl_->flush();
+    const std::vector<EngineHit> hits = impl_->engine->query(queries);
+    std::vector<RayHit> out(rays.size());
+    forEachIndex(rays.size(), [&](std::size_t i) {
+      const EngineHit& hit = hits[i];
+      if (hit.body >= 0)
+        out[i] = {true, *impl_->registry.bodies.at(hit.body), hit.fraction * rays[i].maxDistance,
+                  hit.position, hit.normal};
+    });
+    return out;
   });
-  if (!valid)
-    for (std::size_t i = 0; i < rays.size(); ++i) checkRay(rays[i], i);
-  impl_->flush();
-  const std::vector<EngineHit> hits = impl_->engine->query(queries);
-  std::vector<RayHit> out(rays.size());
-  forEachIndex(rays.size(), [&](std::size_t i) {
-    const EngineHit& hit = hits[i];
-    if (hit.body >= 0)
-      out[i] = {true, *impl_->registry.bodies.at(hit.body), hit.fraction * rays[i].maxDistance, hit.position,
-                hit.normal};
-  });
-  return out;
 }
 
 std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
-  std::vector<EngineQuery> queries;
-  QueryShapes shapesOf(impl_->registry);
-  for (std::size_t i = 0; i < casts.size(); ++i) {
-    queries.push_back(shapesOf.query(EngineQuery::Cast, casts[i], "casts", i));
-    checks::finite(casts[i].displacement, at("casts", i, "displacement"));
-    queries.back().move = casts[i].displacement;
-  }
-  impl_->flush();
-  std::vector<CastHit> out;
-  for (const EngineHit& hit : impl_->engine->query(queries)) {
-    if (hit.body < 0)
-      out.push_back({});
-    else
-      out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position, hit.normal});
-  }
-  return out;
+  return withMemory("castShapes", [&] {
+    std::vector<EngineQuery> queries;
+    QueryShapes shapesOf(impl_->registry);
+    for (std::size_t i = 0; i < casts.size(); ++i) {
+      queries.push_back(shapesOf.query(EngineQuery::Cast, casts[i], "casts", i));
+      checks::finite(casts[i].displacement, at("casts", i, "displacement"));
+      queries.back().move = casts[i].displacement;
+    }
+    impl_->flush();
+    std::vector<CastHit> out;
+    for (const EngineHit& hit : impl_->engine->query(queries)) {
+      if (hit.body < 0)
+        out.push_back({});
+      else
+        out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position, hit.normal});
+    }
+    return out;
+  });
 }
 
 std::vector<std::vector<BodyId>> World::overlaps(std::span<const OverlapQuery> shapes) {
-  std::vector<EngineQuery> queries;
-  QueryShapes shapesOf(impl_->registry);
-  for (std::size_t i = 0; i < shapes.size(); ++i)
-    queries.push_back(shapesOf.query(EngineQuery::Overlap, shapes[i], "shapes", i));
-  impl_->flush();
-  std::vector<std::vector<BodyId>> out;
-  for (const std::vector<int>& slots : impl_->engine->overlaps(queries)) {
-    out.emplace_back();
-    for (const int slot : slots) out.back().push_back(*impl_->registry.bodies.at(slot));
-  }
-  return out;
+  return withMemory("overlaps", [&] {
+    std::vector<EngineQuery> queries;
+    QueryShapes shapesOf(impl_->registry);
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+      queries.push_back(shapesOf.query(EngineQuery::Overlap, shapes[i], "shapes", i));
+    impl_->flush();
+    std::vector<std::vector<BodyId>> out;
+    for (const std::vector<int>& slots : impl_->engine->overlaps(queries)) {
+      out.emplace_back();
+      for (const int slot : slots) out.back().push_back(*impl_->registry.bodies.at(slot));
+    }
+    return out;
+  });
 }
 
 std::vector<ClosestHit> World::closestPoints(std::span<const ClosestQuery> points) {
-  std::vector<EngineQuery> queries;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    checks::finite(points[i].point, at("points", i, "point"));
-    checks::positive(points[i].maxDistance, at("points", i, "maxDistance"));
-    EngineQuery q = filtered(EngineQuery::Closest, points[i].filter, impl_->registry);
-    q.position = points[i].point;
-    q.reach = points[i].maxDistance;
-    queries.push_back(q);
-  }
-  impl_->flush();
-  std::vector<ClosestHit> out;
-  for (const EngineHit& hit : impl_->engine->query(queries)) {
-    if (hit.body < 0)
-      out.push_back({});
-    else
-      out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
-  }
-  return out;
+  return withMemory("closestPoints", [&] {
+    std::vector<EngineQuery> queries;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      checks::finite(points[i].point, at("points", i, "point"));
+      checks::positive(points[i].maxDistance, at("points", i, "maxDistance"));
+      EngineQuery q = filtered(EngineQuery::Closest, points[i].filter, impl_->registry);
+      q.position = points[i].point;
+      q.reach = points[i].maxDistance;
+      queries.push_back(q);
+    }
+    impl_->flush();
+    std::vector<ClosestHit> out;
+    for (const EngineHit& hit : impl_->engine->query(queries)) {
+      if (hit.body < 0)
+        out.push_back({});
+      else
+        out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
+    }
+    return out;
+  });
 }
 
 }  // namespace rubble
