@@ -44,6 +44,8 @@ rb_status currentFailure() noexcept {
   try {
     try {
       throw;
+    } catch (const OutOfMemory& error) {
+      return lastError().set(RB_OUT_OF_MEMORY, error.what(), &error);
     } catch (const Error& error) {
       return lastError().set(RB_INVALID, error.what(), &error);
     } catch (const std::bad_alloc&) {

@@ -32,7 +32,7 @@ bool isWritable(const fs::path& file) {
 fs::path freshFile(const fs::path& folder, const std::string& ending) {
   std::random_device random;
   for (int tries = 0; tries < 100; ++tries) {
-    const fs::path path = folder / (".rubble-" + std::to_string(random()) + ending);
+    fs::path path = folder / (".rubble-" + std::to_string(random()) + ending);
     // x: fails if it is there
     if (std::FILE* const out = std::fopen(path.c_str(), "wbx")) {
       std::fclose(out);
@@ -61,7 +61,12 @@ NewFile::NewFile(const std::string& file) : file_(file), path_(file) {
     if (isThere) return;
     throw Error(file_, kWritable, std::strerror(errno));
   }
-  target_ = target, path_ = fresh.string();
+  try {
+    target_ = target, path_ = fresh.string();
+  } catch (...) {
+    fs::remove(fresh, none);
+    throw;
+  }
 }
 
 NewFile::~NewFile() {

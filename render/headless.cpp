@@ -77,7 +77,7 @@ struct HeadlessContext::Impl {
     return true;
   }
 
-  bool startOnDevices() {
+  bool startOnDevices(bool wantsSoftware) {
     if (!clientHas("EGL_EXT_platform_device") || !clientHas("EGL_EXT_device_enumeration")) return false;
     std::array<EGLDeviceEXT, 32> devices{};
     EGLint count = 0;
@@ -87,7 +87,7 @@ struct HeadlessContext::Impl {
     std::stable_sort(devices.begin(), last,
                      [](EGLDeviceEXT a, EGLDeviceEXT b) { return cudaIndex(a) < cudaIndex(b); });
     for (auto device = devices.begin(); device != last; ++device) {
-      if (deviceHas(*device, "EGL_MESA_device_software")) continue;
+      if (deviceHas(*device, "EGL_MESA_device_software") != wantsSoftware) continue;
       if (start(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, *device, nullptr))) return true;
     }
     return false;
@@ -101,9 +101,7 @@ struct HeadlessContext::Impl {
 
 HeadlessContext::HeadlessContext() : impl_(std::make_unique<Impl>()) {
   const char* choice = std::getenv("RUBBLE_GL");
-  const bool wantSoftware = choice && std::string(choice) == "software";
-  if (wantSoftware) setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
-  if (!wantSoftware && impl_->startOnDevices()) return;
+  if (impl_->startOnDevices(choice && std::string(choice) == "software")) return;
   if (!impl_->startSurfaceless())
     throw Error("EGL",
                 "an OpenGL 4.1 context without a display (Debian: apt-get install libegl1 libgl1-mesa-dri)",

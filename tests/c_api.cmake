@@ -14,13 +14,18 @@ endfunction()
 
 rubble_add_c_program(c_api_test ${CMAKE_CURRENT_SOURCE_DIR}/c_api/c_api_test.c)
 rubble_add_c_program(c_hello ${PROJECT_SOURCE_DIR}/examples/hello.c)
+add_executable(c_load ${CMAKE_CURRENT_SOURCE_DIR}/c_api/load_test.c)
+target_include_directories(c_load PRIVATE ${PROJECT_SOURCE_DIR}/include)
+target_link_libraries(c_load PRIVATE ${CMAKE_DL_LIBS})
+add_dependencies(c_load rubble_c)
+add_test(NAME c_api.load COMMAND c_load $<TARGET_FILE:rubble_c>)
 add_test(NAME c_api.calls COMMAND c_api_test)
 add_test(NAME c_api.hello COMMAND c_hello)
 set_tests_properties(c_api.hello PROPERTIES PASS_REGULAR_EXPRESSION "the crate rests at 0\\.[45][0-9] m")
 add_test(NAME c_api.exports COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/c_api/exports_test.py
   $<TARGET_FILE:rubble_c> ${PROJECT_SOURCE_DIR}/include/rubble/c)
 add_test(NAME c_api.python_declarations COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tools/make_python_abi --check)
-set_tests_properties(c_api.calls c_api.hello c_api.exports c_api.python_declarations PROPERTIES LABELS c_api TIMEOUT 900)
+set_tests_properties(c_api.load c_api.calls c_api.hello c_api.exports c_api.python_declarations PROPERTIES LABELS c_api TIMEOUT 900)
 
 # The interpreter of the system has the numpy that ./dev installs; another one may come first in the path.
 set(python_with_numpy ${Python3_EXECUTABLE})

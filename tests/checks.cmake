@@ -44,6 +44,10 @@ if(RUBBLE_CHECKS)
   rubble_add_check(tools checks ${Python3_EXECUTABLE} -B -m unittest discover -s tests/tools)
   rubble_add_check(packaging heavy bash tests/packaging/run ${PROJECT_BINARY_DIR} ${CMAKE_CXX_COMPILER})
 
+  rubble_add_check(c_abi checks ${Python3_EXECUTABLE} tools/check_abi)
+  rubble_add_check(release long bash tests/packaging/release)
+  set_tests_properties(check.release PROPERTIES RUN_SERIAL ON TIMEOUT 14400)
+
   if(RUBBLE_NVCC)
     rubble_add_check(build.cuda_compile checks ${CMAKE_COMMAND} --build ${PROJECT_BINARY_DIR} --target cuda_compile_check)
     set_tests_properties(check.build.cuda_compile PROPERTIES RUN_SERIAL ON)

@@ -12,7 +12,7 @@ namespace {
 
 struct RunOptions {
   JobOptions job;
-  std::string jsonFile, recordFile;
+  std::string jsonFile, recordFile, inputsFile;
   PictureOptions picture;
   bool quiet = false;
   bool series = false;
@@ -26,6 +26,7 @@ int run(const RunOptions& options) {
   session.quiet = options.quiet;
   session.series = options.series;
   session.recordFile = options.recordFile;
+  session.inputsFile = options.inputsFile;
   session.look = lookOf(options.picture);
   session.pictures = picturesOf(options.picture, prepared.steps);
   const SessionResult result = runSession(std::move(prepared), session);
@@ -65,6 +66,10 @@ void addRun(CLI::App& app, int& status) {
       ->add_option("--record", options->recordFile,
                    "Write the trajectory of every body and vertex (.rubble); 'rubble export' makes other "
                    "formats of it")
+      ->type_name("FILE");
+  command
+      ->add_option("--record-inputs", options->inputsFile,
+                   "Write every call that changes the world, and hashes of its tables, for 'rubble replay'")
       ->type_name("FILE");
   addPictureOptions(*command, options->picture, "--picture");
   command->add_flag("-q,--quiet", options->quiet,

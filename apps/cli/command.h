@@ -29,6 +29,7 @@ void addPicture(CLI::App& app, int& status);
 void addSoak(CLI::App& app, int& status);
 void addPlot(CLI::App& app, int& status);
 void addRender(CLI::App& app, int& status);
+void addReplay(CLI::App& app, int& status);
 void addView(CLI::App& app, int& status);
 
 }  // namespace rubble::cli

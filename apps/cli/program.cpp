@@ -60,6 +60,7 @@ void addProgram(CLI::App& app, int& status) {
   addSoak(app, status);
   addPlot(app, status);
   addRender(app, status);
+  addReplay(app, status);
   addView(app, status);
 }
 

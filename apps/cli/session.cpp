@@ -6,6 +6,7 @@
 #include "apps/cli/measure.h"
 #include "apps/cli/picture_writer.h"
 #include "apps/cli/progress.h"
+#include "io/input_log.h"
 #include "io/picture_poses.h"
 #include "io/recording.h"
 
@@ -53,6 +54,9 @@ class Recorder {
 
 SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   scenes::Runner runner(std::move(prepared.job), prepared.world);
+  std::optional<io::InputLog> inputs;
+  if (!options.inputsFile.empty())
+    inputs.emplace(options.inputsFile, runner.job().scene, prepared.world, runner.world());
   Recorder recorder(options.recordFile, prepared.title, runner.world());
   Progress progress(prepared.title, prepared.steps, options.quiet);
   const bool draws = !options.pictures.empty();
@@ -87,6 +91,7 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
         return true;
       });
   recorder.finish();
+  if (inputs) inputs->finish();
   io::RunRecord record = makeRecord(prepared, runner.job(), result, quality.value_or(result.quality));
   record.engineMb = static_cast<double>(runner.world().memoryBytes()) / 1e6;
   record.bytesPerBody = bytesPerBody;

@@ -12,6 +12,7 @@ namespace rubble::cli {
 struct SessionOptions {
   bool quiet = false;      ///< no progress on standard error
   std::string recordFile;  ///< "" for none
+  std::string inputsFile;  ///< of the log of inputs; "" for none
   std::vector<PictureRequest> pictures;
   Look look;
   bool series = false;  ///< the record gets the time, step time and energy of every step

@@ -61,6 +61,13 @@ class Error : public std::runtime_error {
   std::string path_, expected_, found_;
 };
 
+/// Memory could not be allocated. `path()` names the call. If there is none for this either, std::bad_alloc
+/// is thrown instead.
+class OutOfMemory : public Error {
+ public:
+  explicit OutOfMemory(const Path& call) : Error(call, "memory for its result", "none left") {}
+};
+
 }  // namespace rubble
 
 #undef RUBBLE_REFERS_TO_THIS

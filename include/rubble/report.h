@@ -73,6 +73,12 @@ struct SolverState {
   double multiplier = 0;  ///< largest multiplier |lambda| of these rows [N]
 };
 
+/// Hash of one table of the persistent state of a world.
+struct TableHash {
+  std::string table;  ///< "position", "joint ball", "authored params" ...
+  std::uint64_t hash = 0;
+};
+
 struct Distribution {
   double mean = 0, p99 = 0, max = 0;
 };

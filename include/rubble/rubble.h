@@ -5,6 +5,8 @@
 #include <rubble/error.h>
 #include <rubble/events.h>
 #include <rubble/ids.h>
+#include <rubble/inputs.h>
+#include <rubble/log.h>
 #include <rubble/material.h>
 #include <rubble/math.h>
 #include <rubble/mesh.h>

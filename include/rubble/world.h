@@ -10,6 +10,8 @@
 #include <rubble/error.h>
 #include <rubble/events.h>
 #include <rubble/ids.h>
+#include <rubble/inputs.h>
+#include <rubble/log.h>
 #include <rubble/params.h>
 #include <rubble/query.h>
 #include <rubble/report.h>
@@ -74,6 +76,7 @@ struct WorldOptions {
   bool timings = true;  ///< measure stage times
   /// Collect the events of each step. On a GPU this copies its contacts to the host.
   bool events = false;
+  LogSink log = {};  ///< empty: no log
 };
 
 /// The complete state of a world. A restored world continues bit for bit, if its backend is the same. The
@@ -84,6 +87,8 @@ class Snapshot {
   std::shared_ptr<const Data> data;
 };
 
+/// A world belongs to one thread at a time. Different worlds may be used at once. Where memory ends, a call
+/// throws OutOfMemory: an edit has changed nothing then, and a step has kept poses and velocities.
 class World {
  public:
   /// Throws Error if the scene, the options or the parameters are invalid.
@@ -93,8 +98,9 @@ class World {
   World& operator=(World&&) noexcept;
 
   /// Advances the world by params().dt. Scripted events of the scene are not applied: see
-  /// rubble::scenes::Runner. Throws Error if memory for the tables cannot be allocated. The world then keeps
-  /// its state but loses its contacts, which the next step detects again.
+  /// rubble::scenes::Runner. Throws OutOfMemory if memory cannot be allocated. If stepCount() is unchanged,
+  /// the world has kept its state but lost its contacts, which the next step detects again. Else the step is
+  /// complete, and only its report and its events are lost.
   StepReport step();
 
   const Params& params() const;
@@ -268,6 +274,11 @@ class World {
   void reserve(const std::string& kind, int count);
   /// Hash of the persistent state: equal states have equal hashes.
   std::uint64_t hash() const;
+  /// Hashes of the single tables of that state, in a fixed order: to find what differs between two worlds.
+  std::vector<TableHash> tableHashes() const;
+  /// Passes on every call that changes this world from now on, after it succeeded. The sink may read the
+  /// world. What it throws leaves the call, which has taken effect. Empty: none.
+  void setInputSink(inputs::Sink sink);
 
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);

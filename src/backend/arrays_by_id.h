@@ -18,8 +18,14 @@ template <class Buffer> class ArraysById {
     });
   }
   template <class Gather> void follow(const SolverData& s, int bodies, Gather&& gather) {
-    for (int k = 0; k < kArrays; ++k)
-      if (buffers_[k].size() > 0) view(static_cast<StateArray>(k), s, bodies, gather);
+    for (int k = 0; k < kArrays; ++k) {
+      const auto which = static_cast<StateArray>(k);
+      // a view from before bodies were added is invalid, so that no memory is needed here
+      const bool fits = withStateArray(which, [&]<class T>(Array<T> SolverData::*) {
+        return buffers_[k].size() >= sizeof(T) * static_cast<std::size_t>(bodies);
+      });
+      if (fits && buffers_[k].size() > 0) view(which, s, bodies, gather);
+    }
   }
 
  private:

@@ -4,8 +4,9 @@
 
 namespace rubble {
 
-std::uint64_t hashOf(Engine& engine) {
-  const std::vector<std::byte> state = engine.snapshot()->bytes();
+std::uint64_t hashOf(Engine& engine) { return hashOf(engine.snapshot()->bytes()); }
+
+std::uint64_t hashOf(std::span<const std::byte> state) {
   // FNV-1a over 64-bit words
   std::uint64_t h = 0xcbf29ce484222325ull;
   std::size_t i = 0;

@@ -45,7 +45,8 @@ class Engine {
   virtual ~Engine() = default;
 
   virtual void configure(const EngineSettings& settings) = 0;
-  /// Applies edits in their order.
+  /// Applies edits in their order: all of them or, with std::bad_alloc, none. A backend on a device
+  /// may have applied the first ones.
   virtual void apply(std::span<const Edit> edits) = 0;
   void apply(const Edit& edit) { apply({&edit, 1}); }
   virtual void step(StepReport& report) = 0;
@@ -70,11 +71,13 @@ class Engine {
   /// Reserves table memory for a counted kind. Returns false if the kind does not exist.
   virtual bool reserve(const std::string& kind, int count) = 0;
   virtual std::size_t memoryBytes() const = 0;
+  virtual std::vector<TableHash> tableHashes() = 0;
   virtual std::shared_ptr<const EngineSnapshot> snapshot() = 0;
   virtual void restore(const EngineSnapshot& snapshot) = 0;
 };
 
-/// Hash of all state.
+/// Hash of bytes, and of all state.
+std::uint64_t hashOf(std::span<const std::byte> bytes);
 std::uint64_t hashOf(Engine& engine);
 
 /// Returns whether the CUDA backend is built and has a usable device.

@@ -24,7 +24,7 @@ namespace {
 /// Frees the memory of qhull on scope exit.
 class Qhull {
  public:
-  Qhull() { qh_zero(&qh_, nullptr); }
+  explicit Qhull(std::FILE* messages) { qh_zero(&qh_, messages); }
   ~Qhull() {
     qh_freeqhull(&qh_, !qh_ALL);
     int current = 0, total = 0;
@@ -67,15 +67,16 @@ Hull convexHull(const std::vector<Vec3>& points, const Path& path) {
   for (const Vec3& p : points)
     for (int i = 0; i < 3; ++i) coordinates.push_back((p[i] - middle[i]) / size);
 
-  Qhull qhull;
-  qhT* qh = qhull.get();
-  char options[] = "qhull Pp C-1e-7";
   // the error reports failures, so qhull prints nothing
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> silence(
       std::fopen("/dev/null", "w"), [](std::FILE* f) { return f ? std::fclose(f) : 0; });
-  if (qh_new_qhull(qh, 3, static_cast<int>(points.size()), coordinates.data(), False, options, silence.get(),
-                   silence.get()) != 0)
-    throw Error(path, wanted, "points that qhull makes no solid of");
+  Qhull qhull(silence.get());
+  qhT* qh = qhull.get();
+  char options[] = "qhull Pp C-1e-7";
+  const int failure = qh_new_qhull(qh, 3, static_cast<int>(points.size()), coordinates.data(), False, options,
+                                   silence.get(), silence.get());
+  if (failure == qh_ERRmem) throw std::bad_alloc();
+  if (failure != 0) throw Error(path, wanted, "points that qhull makes no solid of");
 
   Hull hull;
   std::vector<int> placeOf(points.size(), -1), corners;

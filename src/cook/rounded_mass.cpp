@@ -125,7 +125,8 @@ SolidSums roundedSums(const Hull& core, double radius) {
   for (const auto& [edge, side] : sides) {
     const auto [a, b] = edge;
     if (a < b)
-      sums += edgeSector(at(a), at(b), {core.normals[side.face], core.normals[sides.at({b, a}).face]}, radius);
+      sums += edgeSector(at(a), at(b), {core.normals[side.face], core.normals[sides.at({b, a}).face]},
+                         radius);
     if (done[static_cast<std::size_t>(a)]) continue;
     done[static_cast<std::size_t>(a)] = true;
     // the faces around the vertex, counter-clockwise

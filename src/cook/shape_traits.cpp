@@ -48,9 +48,10 @@ struct BoxTraits {
     if (const double r = s.rounding; r > 0) {
       const SolidSums sums = roundedSums(boxHull(h - Vec3{r, r, r}), r);
       // without the round-off of its symmetric parts
-      return principal({density * sums.volume,
-                        {},
-                        {density * sums.second[0], density * sums.second[1], density * sums.second[2], 0, 0, 0}});
+      return principal(
+          {density * sums.volume,
+           {},
+           {density * sums.second[0], density * sums.second[1], density * sums.second[2], 0, 0, 0}});
     }
     const double m = density * 8 * h.x * h.y * h.z;
     return {
@@ -99,7 +100,8 @@ struct CylinderTraits {
   }
   /// A middle part of half height h between two caps, of radius a + sqrt(r^2 - t^2) at t above it.
   static MassProperties roundedMass(const Shape& s, double density) {
-    const double r = s.rounding, a = s.radius - r, h = s.halfLength - r, b = s.radius, r2 = r * r, r3 = r2 * r;
+    const double r = s.rounding, a = s.radius - r, h = s.halfLength - r, b = s.radius, r2 = r * r,
+                 r3 = r2 * r;
     // integrals of the squared radius times 1, t and t^2 over a cap, and of its fourth power
     const double i0 = r * a * a + kPi / 2 * a * r2 + 2 * r3 / 3,
                  i1 = a * a * r2 / 2 + 2 * a * r3 / 3 + r3 * r / 4,
@@ -145,7 +147,7 @@ template <class S> void cookConvex(CookedShape& out, const Shape& shape, const P
 }
 
 template <class S> ShapeTraits convexTraits(ShapeType type) {
-  ShapeTraits traits{type,    S::kName,      S::kDoc,   true,   anyFields<Shape, S, InShape>(),
+  ShapeTraits traits{type,    S::kName,      S::kDoc,           true,   anyFields<Shape, S, InShape>(),
                      nullptr, cookConvex<S>, S::massProperties, nullptr};
   if constexpr (!requires { S::kType; })
     traits.support = [](const Shape& shape, const Vec3& d) { return S::support(S::half(shape), d); };

@@ -34,7 +34,8 @@ template <class Memory> class SolverTables {
     int& capacity = capacity_[static_cast<int>(per)];
     if (count <= capacity) return;
     const int grown = capacity > 1 ? count + count / 2 : count;
-    const bool rowsAmongOld = rowsAlias(view_.oldManifold);
+    // also where memory ends halfway: some arrays have moved by then, and all keep the old capacity
+    const Realias realias{*this, rowsAlias(view_.oldManifold)};
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
       if (array.per != per || array.aliases) return;
       Array<T>& pointer = view_.*array.member;
@@ -44,7 +45,6 @@ template <class Memory> class SolverTables {
       pointer = arrayOf(fresh, sizeOf(array, grown));
     });
     capacity = grown;
-    aliasRowsIn(rowsAmongOld ? view_.oldManifold : view_.manifold);
   }
 
   std::size_t bytes() const {
@@ -74,6 +74,12 @@ template <class Memory> class SolverTables {
   }
 
  private:
+  /// Points the contact rows to the manifolds again at the end of its scope.
+  struct Realias {
+    SolverTables& tables;
+    bool amongOld;
+    ~Realias() { tables.aliasRowsIn(amongOld ? tables.view_.oldManifold : tables.view_.manifold); }
+  };
   static_assert(sizeof(ContactRows) <= sizeof(Manifold) && alignof(ContactRows) <= alignof(Manifold));
   bool rowsAlias(const Manifold* place) const {
     return place && static_cast<const void*>(view_.contact) == place;

@@ -1,29 +1,66 @@
+#include <algorithm>
+
 #include "tables/exclusions.h"
 #include "tables/soft_edit.h"
 #include "tables/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 
-std::vector<int> slotsOf(const HostTables& tables, const std::vector<int>& ids) {
-  std::vector<int> slots;
-  slots.reserve(ids.size());
-  for (const int id : ids) slots.push_back(slotOf(tables, id));
-  return slots;
-}
-
-EngineJoint inSlots(const HostTables& tables, EngineJoint joint) {
-  for (int* body : {&joint.a, &joint.b, &joint.frameBodyA, &joint.frameBodyB}) *body = slotOf(tables, *body);
-  return joint;
-}
+namespace {
 
 std::vector<EngineAttachment> inSlots(const HostTables& tables, std::vector<EngineAttachment> attachments) {
   for (EngineAttachment& a : attachments) a.body = slotOf(tables, a.body);
   return attachments;
 }
 
-namespace {
+bool rolls(const Material& m) { return m.rollingFriction > 0 || m.torsionalFriction > 0; }
 
-/// One overload for each kind of edit.
+/// Elements that the tables need for a list of edits. One overload for each kind of edit.
+struct Needs {
+  const HostTables& tables;
+  int bodies = 0, joints[JointTypes::kSize] = {}, vectors = 0, indices = 0, parts = 0, surfaces = 0,
+      planes = 0, exclusions = 0;
+  bool rolling = tables.view().rolls;
+
+  void operator()(const SetBody& e) { bodies = std::max(bodies, e.id + 1); }
+  void operator()(const SetBodyState&) {}
+  void operator()(const AddForce&) {}
+  void operator()(const AddVelocity&) {}
+  void operator()(const ForgetContacts&) {}
+  void operator()(const AddShape& e) {
+    vectors += static_cast<int>(e.shape->vectors.size());
+    indices += static_cast<int>(e.shape->indices.size());
+    parts += static_cast<int>(e.shape->parts.size());
+  }
+  void operator()(const SetSurfaces& e) {
+    surfaces = std::max(surfaces, static_cast<int>(e.surfaces.size()));
+    rolling |= std::ranges::any_of(e.surfaces, rolls);
+  }
+  void operator()(const SetPlanes& e) { planes = std::max(planes, static_cast<int>(e.ids.size())); }
+  void operator()(const SetJoint& e) {
+    int& count = joints[static_cast<int>(e.joint.type)];
+    count = std::max(count, e.slot + 1);
+  }
+  void operator()(const SetExcluded& e) { exclusions += e.excluded; }
+  void operator()(const SetDeformables&) {}
+  void operator()(const SetVertices&) {}
+  void operator()(const AddVertexForce&) {}
+};
+
+void reserve(HostTables& tables, const Needs& needs) {
+  if (needs.bodies > 0) reserveBodies(tables, needs.bodies);
+  for (int type = 0; type < JointTypes::kSize; ++type)
+    if (needs.joints[type] > 0) tables.reserve(perJoint(type), slotsFor(needs.joints[type]));
+  tables.reserve(Per::ShapeVector, tables.shapeVectors + needs.vectors);
+  tables.reserve(Per::ShapeIndex, tables.shapeIndices + needs.indices);
+  tables.reserve(Per::ShapePart, tables.shapeParts + needs.parts);
+  tables.reserve(Per::Surface, needs.surfaces);
+  tables.reserve(Per::Plane, needs.planes);
+  reserveExclusions(tables, needs.exclusions);
+  if (needs.rolling && needs.bodies > 0) tables.reserve(Per::Rolling, tables.capacity(Per::ActivePair));
+}
+
+/// Applies an edit for which there is memory. One overload for each kind of edit.
 struct Apply {
   HostTables& tables;
 
@@ -39,28 +76,37 @@ struct Apply {
     s.force[slot(e.id)] += Vec3(e.force), s.torque[slot(e.id)] += Vec3(e.torque);
   }
   void operator()(const AddVelocity& e) const { addVelocity(tables, slot(e.id), e.change); }
-  void operator()(const ForgetContacts& e) const { forgetContacts(tables, slotsOf(tables, e.ids)); }
+  void operator()(const ForgetContacts& e) const { forgetContacts(tables, e.ids); }
   void operator()(const AddShape& e) const { addShape(tables, *e.shape, e.partSurfaces); }
   void operator()(const SetSurfaces& e) const { setSurfaces(tables, e.surfaces); }
-  void operator()(const SetPlanes& e) const { setPlanes(tables, slotsOf(tables, e.ids)); }
+  void operator()(const SetPlanes& e) const {
+    SolverData& s = tables.view();
+    s.planes = static_cast<int>(e.ids.size());
+    for (int i = 0; i < s.planes; ++i) s.planeBody[i] = slot(e.ids[static_cast<std::size_t>(i)]);
+  }
   void operator()(const SetJoint& e) const {
     const int type = static_cast<int>(e.joint.type);
     if (e.slot >= tables.jointIds[type]) setJointCount(tables, type, e.slot + 1);
-    (e.keepsState ? editJoint : setJoint)(tables, e.slot, inSlots(tables, e.joint));
+    (e.keepsState ? editJoint : setJoint)(tables, e.slot, e.joint);
   }
-  void operator()(const SetExcluded& e) const {
-    std::vector<int> changed;
-    setExcluded(tables, e.a, e.b, e.excluded, changed);
-  }
-  void operator()(const SetDeformables& e) const {
-    setSoft(tables, e.objects, inSlots(tables, e.attachments));
-  }
+  void operator()(const SetExcluded& e) const { setExcluded(tables, e.a, e.b, e.excluded); }
+  void operator()(const SetDeformables&) const {}
   void operator()(const SetVertices& e) const { setVertexStates(tables, e.first, e.positions, e.velocities); }
   void operator()(const AddVertexForce& e) const { tables.view().vertexForce[e.vertex] += Vec3(e.force); }
 };
 
 }  // namespace
 
-void apply(HostTables& tables, const Edit& edit) { std::visit(Apply{tables}, edit); }
+void apply(HostTables& tables, std::span<const Edit> edits) {
+  Needs needs{tables};
+  for (const Edit& edit : edits) std::visit([&](const auto& e) { needs(e); }, edit);
+  reserve(tables, needs);
+  if (edits.size() == 1)
+    if (const auto* const soft = std::get_if<SetDeformables>(&edits[0]))
+      return setSoft(tables, soft->objects, inSlots(tables, soft->attachments));
+  [&]() noexcept {
+    for (const Edit& edit : edits) std::visit(Apply{tables}, edit);
+  }();
+}
 
 }  // namespace rubble::RUBBLE_CORE

@@ -21,6 +21,7 @@ struct HostTables : SolverTables<HostMemory> {
   int jointIds[JointTypes::kSize] = {};                    ///< the same for each joint type
   int shapeVectors = 0, shapeIndices = 0, shapeParts = 0;  ///< elements of the shared tables in use
   int excludedPairs = 0;
+  std::vector<ExcludedPair> movingPairs;  ///< while the table of excluded pairs grows
   TreePlan trees;
 
   /// Number of bodies with each trait. Setting it updates the flags of the SolverData.

@@ -39,8 +39,9 @@ template <class F> void editJointOf(HostTables& tables, int slot, const EngineJo
   const JointLinks before = linksOf<F>(spec);
   spec = {};
   spec.data = F::Data::of(in);
-  spec.a = in.a, spec.b = in.b;
-  if constexpr (hasFrameBodies<F>()) spec.frameBodyA = in.frameBodyA, spec.frameBodyB = in.frameBodyB;
+  spec.a = slotOf(tables, in.a), spec.b = slotOf(tables, in.b);
+  if constexpr (hasFrameBodies<F>())
+    spec.frameBodyA = slotOf(tables, in.frameBodyA), spec.frameBodyB = slotOf(tables, in.frameBodyB);
   spec.alive = in.alive, spec.isRigid = in.isRigid;
   spec.breakForce = finite(in.breakForce), spec.breakTorque = finite(in.breakTorque);
   std::size_t group = 0, axis = 0;

@@ -164,10 +164,8 @@ void reserveVertices(HostTables& tables, int vertices) {
   tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
 }
 
-}  // namespace
-
-void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
-             const std::vector<EngineAttachment>& attachments) {
+void placeSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
+               const std::vector<EngineAttachment>& attachments) {
   SolverData& s = tables.view();
   const OldVertices old(s);
   int vertices = 0;
@@ -233,6 +231,19 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
   placeContacts(tables, old, moves);
 }
 
+}  // namespace
+
+void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
+             const std::vector<EngineAttachment>& attachments) {
+  const SoftBackup backup(tables);
+  try {
+    placeSoft(tables, objects, attachments);
+  } catch (const std::bad_alloc&) {
+    backup.restore(tables);
+    throw;
+  }
+}
+
 void countYielding(SolverData& s) {
   const std::span<const Tetrahedron> all(
       s.elementsOf<Tetrahedron>(),
@@ -266,7 +277,7 @@ SoftCounts softCounts(const SolverData& s) {
   return c;
 }
 
-void setSoftCounts(HostTables& tables, const SoftCounts& c) {
+void reserveSoft(HostTables& tables, const SoftCounts& c, int bodies) {
   reserveVertices(tables, c.vertices);
   tables.reserve(Per::ElementRef, c.refs);
   tables.reserve(Per::TetraCorner, c.tetraCorners);
@@ -275,28 +286,33 @@ void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   tables.reserve(Per::Attachment, c.attachments);
   tables.reserve(Per::Cluster, c.clusterBegin[kClusterLevels]);
   tables.reserve(Per::ClusterRef, c.clusterRefs);
+  tables.reserve(Per::SoftNode, c.softNodes);
+  tables.reserve(Per::Strand, c.lines);
+  tables.reserve(Per::StrandVertex, c.strandVertices);
+  reserveNodes(tables);
+  forEachType(ElementTypes{},
+              [&]<class F>() { tables.reserve(perElement<F>(), c.elements[typeIndex<F>(ElementTypes{})]); });
+  SolverData then = tables.view();
+  then.bodies = bodies, then.vertices = c.vertices, then.edges = c.edges;
+  then.features = c.features, then.featureCells = c.featureCells;
+  reserveFeatures(tables, then);
+}
+
+void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   SolverData& s = tables.view();
+  reserveSoft(tables, c, s.bodies);
   s.vertices = c.vertices, s.particleCells = c.particleCells, s.attachments = c.attachments;
   s.particleCell = real(c.particleCell);
   s.edges = c.edges, s.features = c.features, s.featureCells = c.featureCells;
   s.featureCell = real(c.featureCell);
-  reserveFeatures(tables);
   s.movingParts = c.movingParts, s.clusterRefs = c.clusterRefs;
-  tables.reserve(Per::SoftNode, c.softNodes);
   s.softNodes = c.softNodes, s.objects = c.objects;
-  tables.reserve(Per::Strand, c.lines);
-  tables.reserve(Per::StrandVertex, c.strandVertices);
   s.strands = c.lines, s.strandVertices = c.strandVertices;
-  reserveNodes(tables);
   std::copy(std::begin(c.clusterBegin), std::end(c.clusterBegin), s.clusterBegin);
   s.refOffset[c.vertices] = c.refs;
   s.tetraCornerOffset[c.vertices] = c.tetraCorners;
   s.neighborOffset[c.vertices] = c.neighbors;
-  forEachType(ElementTypes{}, [&]<class F>() {
-    constexpr int kType = typeIndex<F>(ElementTypes{});
-    tables.reserve(perElement<F>(), c.elements[kType]);
-    s.elements[kType] = c.elements[kType];
-  });
+  std::copy(std::begin(c.elements), std::end(c.elements), s.elements);
 }
 
 void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3> positions,

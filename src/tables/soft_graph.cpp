@@ -273,7 +273,7 @@ void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& obje
   s.featureCells = s.features > 0
                        ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * s.features))))
                        : 0;
-  reserveFeatures(tables);
+  reserveFeatures(tables, s);
   int edge = 0, triangle = edges;
   for (const EngineSoftObject& o : objects) {
     const int firstEdge = edge;
@@ -296,8 +296,7 @@ void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& obje
   }
 }
 
-void reserveFeatures(HostTables& tables) {
-  const SolverData& s = tables.view();
+void reserveFeatures(HostTables& tables, const SolverData& s) {
   if (s.vertices == 0) return;
   tables.reserve(Per::Feature, s.features);
   tables.reserve(Per::FeatureCell, s.featureCells);

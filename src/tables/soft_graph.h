@@ -14,7 +14,7 @@ void placeSoftNodes(HostTables& tables, const std::vector<EngineSoftObject>& obj
 void placeStrands(HostTables& tables, const std::vector<EngineSoftObject>& objects);
 /// Places edges and triangles of all colliding surfaces, and sizes their grid.
 void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& objects);
-/// Reserves features, grid cells and pair owners for the counts in the SolverData.
-void reserveFeatures(HostTables& tables);
+/// Reserves features, grid cells and pair owners for the counts of `s`.
+void reserveFeatures(HostTables& tables, const SolverData& s);
 
 }  // namespace rubble::RUBBLE_CORE

@@ -64,22 +64,33 @@ void clearBodySlots(HostTables& tables, int begin) {
   std::fill(offset + owners + 1, offset + s.owners() + 1, offset[owners]);
 }
 
-void setBodyCount(HostTables& tables, int ids) {
-  tables.bodyIds = std::max(tables.bodyIds, ids);
-  const int before = tables.view().bodies, slots = slotsFor(ids);
-  if (slots <= before) return;
+namespace {
+int cellsFor(int slots) {
+  return static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * slots))));
+}
+}  // namespace
+
+void reserveBodies(HostTables& tables, int ids) {
+  const int slots = slotsFor(ids);
+  if (slots <= tables.view().bodies) return;
   tables.reserve(Per::Body, slots);
   tables.reserve(Per::BodySlot, tables.capacity(Per::Body) * kPairSlots);
   reserveNodes(tables);
   tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
   tables.reserve(Per::Level, kCoarseLevels);
-  const int cells = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * slots))));
-  tables.reserve(Per::Cell, cells);
+  tables.reserve(Per::Cell, cellsFor(slots));
   if (tables.view().features > 0) {
     tables.reserve(Per::PointOwner, ownersOf(tables.view(), slots));
     tables.reserve(Per::PointOwnerSlot, tables.capacity(Per::PointOwner) * kPointPairSlots);
   }
-  tables.view().cells = cells;
+}
+
+void setBodyCount(HostTables& tables, int ids) {
+  reserveBodies(tables, ids);
+  tables.bodyIds = std::max(tables.bodyIds, ids);
+  const int before = tables.view().bodies, slots = slotsFor(ids);
+  if (slots <= before) return;
+  tables.view().cells = cellsFor(slots);
   tables.view().bodies = slots;
   clearBodySlots(tables, before);
 }
@@ -139,18 +150,12 @@ void setBodyState(HostTables& tables, int slot, const BodyState& state) {
   wakeBody(s, slot);
 }
 
-void forgetContacts(HostTables& tables, std::span<const int> slots) {
+void forgetContacts(HostTables& tables, std::span<const int> ids) {
   SolverData& s = tables.view();
-  std::vector<char> gone(static_cast<std::size_t>(s.bodies), 0);
-  for (const int slot : slots) gone[static_cast<std::size_t>(slot)] = 1;
-  for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k) {
-    const Pair& p = s.oldPair[k];
-    if (!gone[static_cast<std::size_t>(p.owner)] &&
-        !(p.other >= 0 && gone[static_cast<std::size_t>(p.other)]))
-      continue;
-    forgetOldPair(s, k);
-  }
-  for (const int slot : slots) forgetVertexContacts(tables, slot);
+  const auto goes = [&](int slot) { return slot >= 0 && std::ranges::binary_search(ids, s.idOf[slot]); };
+  for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
+    if (goes(s.oldPair[k].owner) || goes(s.oldPair[k].other)) forgetOldPair(s, k);
+  for (const int id : ids) forgetVertexContacts(tables, slotOf(tables, id));
 }
 
 void abandonStep(HostTables& tables) {

@@ -8,13 +8,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Applies an edit.
-void apply(HostTables& tables, const Edit& edit);
-/// A joint or attachment with slots in place of ids.
-EngineJoint inSlots(const HostTables& tables, EngineJoint joint);
-std::vector<EngineAttachment> inSlots(const HostTables& tables, std::vector<EngineAttachment> attachments);
-std::vector<int> slotsOf(const HostTables& tables, const std::vector<int>& ids);
+/// Applies edits in their order: all of them or, with std::bad_alloc, none. SetDeformables comes alone.
+void apply(HostTables& tables, std::span<const Edit> edits);
+inline void apply(HostTables& tables, const Edit& edit) { apply(tables, std::span(&edit, 1)); }
 
+/// Reserves the tables of that many ids.
+void reserveBodies(HostTables& tables, int ids);
 /// Makes slots for at least that many ids. New slots are removed bodies.
 void setBodyCount(HostTables& tables, int ids);
 /// Makes removed bodies of all slots from `begin` on.
@@ -24,10 +23,11 @@ void reserveNodes(HostTables& tables);
 void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
 void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
-/// Clears the contacts of bodies.
-void forgetContacts(HostTables& tables, std::span<const int> slots);
+/// Clears the contacts of bodies. `ids`: ascending.
+void forgetContacts(HostTables& tables, std::span<const int> ids);
 void setPlanes(HostTables& tables, const std::vector<int>& slots);
 void setJointCount(HostTables& tables, int type, int ids);
+/// Bodies of joints are ids.
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
 void editJoint(HostTables& tables, int slot, const EngineJoint& joint);
 /// Negative ids (no body) are unchanged.
@@ -50,6 +50,10 @@ void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, co
 
 /// All persistent state as bytes. Equal states give equal bytes.
 std::vector<std::byte> saveTables(const HostTables& tables);
+/// The hash of each table of that state.
+std::vector<TableHash> hashTables(const HostTables& tables,
+                                  std::uint64_t (*hash)(std::span<const std::byte>));
+/// With std::bad_alloc nothing is changed.
 void loadTables(HostTables& tables, std::span<const std::byte> data);
 
 }  // namespace rubble::RUBBLE_CORE

@@ -83,14 +83,15 @@ void saveExclusions(const HostTables& tables, std::byte* to) {
   std::memcpy(to, out.data(), exclusionBytes(tables));
 }
 void readExclusions(HostTables& tables, const std::byte* from) {
-  std::vector<int> in(exclusionBytes(tables) / sizeof(int));
-  std::memcpy(in.data(), from, exclusionBytes(tables));
-  std::vector<ExcludedPair> pairs;
-  const int* const high = in.data() + tables.bodyIds + 1;
+  const auto number = [from](int k) {
+    int out;
+    std::memcpy(&out, from + sizeof out * static_cast<std::size_t>(k), sizeof out);
+    return out;
+  };
+  clearExclusions(tables, tables.excludedPairs);
   for (int id = 0; id < tables.bodyIds; ++id)
-    for (int k = in [static_cast<std::size_t>(id)]; k < in[static_cast<std::size_t>(id) + 1]; ++k)
-      pairs.push_back({id, high[k]});
-  loadExclusions(tables, pairs);
+    for (int k = number(id); k < number(id + 1); ++k)
+      setExcluded(tables, id, number(tables.bodyIds + 1 + k), true);
 }
 
 template <class Visit> void forEachKept(const HostTables& tables, Visit&& visit) {
@@ -126,7 +127,64 @@ struct SavedCounts {
   SoftCounts soft;
 };
 
+/// Kinds of elements of deformable objects, and of what refers to them.
+bool isSoft(Per per) {
+  switch (per) {
+    case Per::Vertex:
+    case Per::PointOwner:
+    case Per::Feature:
+    case Per::ElementRef:
+    case Per::TetraCorner:
+    case Per::Neighbor:
+    case Per::PointPair:
+    case Per::Cluster:
+    case Per::ClusterRef:
+    case Per::SoftNode:
+    case Per::Strand:
+    case Per::StrandVertex:
+    case Per::Attachment:
+      return true;
+    default:
+      return per >= Per::FirstElement && per < Per::FirstJoint;
+  }
+}
+/// The arrays of those kinds that are valid between steps.
+template <class Visit> void forEachSoftArray(Visit&& visit) {
+  forEachArray([&](const auto& array) {
+    const bool lasts = array.life != Lifetime::Work && array.life != Lifetime::Unordered;
+    if (lasts && isSoft(array.per) && !array.aliases) visit(array);
+  });
+}
+
 }  // namespace
+
+SoftBackup::SoftBackup(const HostTables& tables) : view_(tables.view()) {
+  std::size_t all = 0;
+  forEachSoftArray([&]<class T>(const ArrayInfo<T>& array) {
+    sizes_.push_back(sizeof(T) * (liveCount(tables, array.per) + static_cast<std::size_t>(array.extra)));
+    all += sizes_.back();
+  });
+  bytes_.resize(all);
+  std::byte* to = bytes_.data();
+  auto size = sizes_.begin();
+  forEachSoftArray([&](const auto& array) {
+    if (*size > 0) std::memcpy(to, view_.*array.member, *size);
+    to += *size++;
+  });
+}
+
+void SoftBackup::restore(HostTables& tables) const noexcept {
+  SolverData before = view_;
+  // arrays may have moved
+  forEachArray([&](const auto& array) { before.*array.member = tables.view().*array.member; });
+  tables.view() = before;
+  const std::byte* from = bytes_.data();
+  auto size = sizes_.begin();
+  forEachSoftArray([&](const auto& array) {
+    if (*size > 0) std::memcpy(before.*array.member, from, *size);
+    from += *size++;
+  });
+}
 
 std::vector<std::byte> saveTables(const HostTables& tables) {
   const SolverData& s = tables.view();
@@ -166,23 +224,50 @@ std::vector<std::byte> saveTables(const HostTables& tables) {
   return out;
 }
 
-void loadTables(HostTables& tables, std::span<const std::byte> data) {
-  SavedCounts counts;
-  std::memcpy(&counts, data.data(), sizeof counts);
-  setBodyCount(tables, counts.bodies);
-  for (int t = 0; t < JointTypes::kSize; ++t) setJointCount(tables, t, counts.joints[t]);
+std::vector<TableHash> hashTables(const HostTables& tables,
+                                  std::uint64_t (*hash)(std::span<const std::byte>)) {
+  std::vector<TableHash> out;
+  std::vector<std::byte> content;
+  forEachKept(tables, [&]<class T>(const ArrayInfo<T>& array, std::size_t bytes) {
+    content.resize(bytes);
+    if constexpr (isExclusions<T>)
+      saveExclusions(tables, content.data());
+    else
+      copyClean(content.data(), tables.view().*array.member, bytes);
+    const std::string name = jointTypeOf(array.per) >= 0 ? std::string("joint ") + array.name : array.name;
+    out.push_back({array.life == Lifetime::Authored ? "authored " + name : name, hash(content)});
+  });
+  return out;
+}
+
+namespace {
+void reserve(HostTables& tables, const SavedCounts& counts) {
+  reserveBodies(tables, counts.bodies);
+  for (int t = 0; t < JointTypes::kSize; ++t) tables.reserve(perJoint(t), slotsFor(counts.joints[t]));
   tables.reserve(Per::Pair, counts.pairs);
   tables.reserve(Per::ActivePair, counts.activePairs);
   tables.reserve(Per::Manifold, counts.manifolds);
   tables.reserve(Per::Plane, counts.planes);
-  setSoftCounts(tables, counts.soft);
+  reserveSoft(tables, counts.soft, std::max(tables.view().bodies, slotsFor(counts.bodies)));
   tables.reserve(Per::PointPair, counts.pointPairs);
+  reserveExclusions(tables, counts.exclusions);
   tables.reserve(Per::ShapeVector, counts.shapeVectors);
   tables.reserve(Per::ShapeIndex, counts.shapeIndices);
   tables.reserve(Per::ShapePart, counts.shapeParts);
   tables.reserve(Per::Surface, counts.surfaces);
   tables.reserve(Per::Rolling,
                  counts.traits[BodyTrait::Rolls] > 0 ? std::max(counts.activePairs, counts.rollers) : 0);
+}
+}  // namespace
+
+void loadTables(HostTables& tables, std::span<const std::byte> data) {
+  SavedCounts counts;
+  std::memcpy(&counts, data.data(), sizeof counts);
+  reserve(tables, counts);
+  // from here on there is memory for everything
+  setBodyCount(tables, counts.bodies);
+  for (int t = 0; t < JointTypes::kSize; ++t) setJointCount(tables, t, counts.joints[t]);
+  setSoftCounts(tables, counts.soft);
   SolverData& s = tables.view();
   tables.bodyIds = counts.bodies;
   s.bodies = slotsFor(counts.bodies);

@@ -113,10 +113,24 @@ void TreePlan::link(JointRef joint, const JointLinks& links) {
     if (links.body[side] != kWorldBody) joints_.add(joint, side, links.body[side]);
 }
 
-void TreePlan::relink(JointRef joint, const JointLinks& before, const JointLinks& after) {
-  if (before == after) return;
-  for (int side = 0; side < JointGraph::kMostSides; ++side) joints_.remove(joint, side);
-  link(joint, after);
+void TreePlan::touch(int body) noexcept {
+  if (all_) return;
+  try {
+    touched_.push_back(body);
+  } catch (const std::bad_alloc&) {
+    touchAll();
+  }
+}
+
+void TreePlan::relink(JointRef joint, const JointLinks& before, const JointLinks& after) noexcept {
+  // the lists are read anew with everything else
+  if (before == after || all_) return;
+  try {
+    for (int side = 0; side < JointGraph::kMostSides; ++side) joints_.remove(joint, side);
+    link(joint, after);
+  } catch (const std::bad_alloc&) {
+    touchAll();
+  }
   for (const JointLinks& links : {before, after})
     for (const int body : links.body)
       if (body != kWorldBody) touch(body);
@@ -264,8 +278,10 @@ bool TreePlan::update(HostTables& tables, TreeChanges& changes) {
   if (!all_ && touched_.empty()) return false;
   SolverData& s = tables.view();
   std::vector<int> touched = std::exchange(touched_, {});
-  if (std::exchange(all_, false)) {
+  // until the end: a plan that runs out of memory is made anew
+  if (std::exchange(all_, true)) {
     readJoints(s);
+    indexOf_.clear();
     trees_.clear(), free_.clear(), freeSmall_.clear();
     nodesEnd_ = smallEnd_ = limited_ = s.treeNodes = s.smallTrees = 0;
     std::ranges::fill(firstOf(s.nodeOfBody, s.bodies), -1);
@@ -301,6 +317,7 @@ bool TreePlan::update(HostTables& tables, TreeChanges& changes) {
   for (const int body : planned) indexOf_[at(body)] = -1;
   if (changes.levels) listLevels(tables);
   s.treeLimits = limited_ > 0;
+  all_ = false;
   return true;
 }
 

@@ -48,15 +48,17 @@ struct JointedBodies {
 /// What only the planner needs to know of the trees in the tables.
 class TreePlan {
  public:
+  // Edits need no memory: where there is none, everything is planned anew.
   /// A body or the joints of a body have changed.
-  void touch(int body) { touched_.push_back(body); }
+  void touch(int body) noexcept;
   /// All bodies and joints may have changed.
-  void touchAll() { all_ = true; }
-  /// Plans what was touched, and adds to the changes. Returns whether anything was.
-  bool update(HostTables& tables, TreeChanges& changes);
-
+  void touchAll() noexcept { all_ = true; }
   /// A joint has changed.
-  void relink(JointRef joint, const JointLinks& before, const JointLinks& after);
+  void relink(JointRef joint, const JointLinks& before, const JointLinks& after) noexcept;
+
+  /// Plans what was touched, and adds to the changes. Returns whether anything was. After std::bad_alloc the
+  /// next call plans everything.
+  bool update(HostTables& tables, TreeChanges& changes);
 
  private:
   struct Tree {

@@ -16,7 +16,7 @@ bool same(const Touch& s, const Touch& t) { return s.a == t.a && s.b == t.b; }
 
 }  // namespace
 
-void World::Impl::collectContacts() {
+std::vector<Touch> World::Impl::collectContacts(Events& to) const {
   std::vector<Touch> now;
   for (const EngineTouch& t : engine->read().touches()) {
     const auto a = registry.bodies.at(t.a), b = registry.bodies.at(t.b);
@@ -31,7 +31,7 @@ void World::Impl::collectContacts() {
   });
 
   const auto add = [&](Phase phase, const Touch& touch) {
-    ContactEvent& event = events.contacts.emplace_back();
+    ContactEvent& event = to.contacts.emplace_back();
     event.phase = phase;
     event.a = touch.a, event.b = touch.b;
     event.sensor = touch.sensor;
@@ -59,23 +59,23 @@ void World::Impl::collectContacts() {
       add(Phase::Begin, now[k++]);
     }
   }
-  registry.touches = std::move(now);
+  return now;
 }
 
-void World::Impl::collectBreaks(const std::vector<JointId>& broken) {
+void World::Impl::collectBreaks(Events& to, const std::vector<JointId>& broken) const {
   for (const JointId id : broken) {
     const JointRecord& joint = registry.joints[id];
     const JointState state = engine->read().jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
-    events.joints.push_back({id, joint.a, joint.b, state.force, state.torque});
+    to.joints.push_back({id, joint.a, joint.b, state.force, state.torque});
   }
 }
 
-void World::Impl::collectSleeps() {
-  const std::vector<int> now = engine->read().sleepers();
+std::vector<int> World::Impl::collectSleeps(Events& to) const {
+  std::vector<int> now = engine->read().sleepers();
   const std::vector<int>& old = registry.sleepers;
   std::size_t i = 0, k = 0;
   const auto add = [&](int slot, bool asleep) {
-    if (const auto id = registry.bodies.at(slot)) events.sleeps.push_back({*id, asleep});
+    if (const auto id = registry.bodies.at(slot)) to.sleeps.push_back({*id, asleep});
   };
   while (i < old.size() || k < now.size()) {
     if (k == now.size() || (i < old.size() && old[i] < now[k]))
@@ -85,15 +85,21 @@ void World::Impl::collectSleeps() {
     else
       ++i, ++k;
   }
-  registry.sleepers = now;
+  return now;
 }
 
 void World::Impl::collectEvents(const StepReport& report) {
   events = {};
   if (!wantsEvents) return;
-  collectContacts();
-  collectBreaks(report.broken);
-  if (params.sleeping || !registry.sleepers.empty()) collectSleeps();
+  Events fresh;
+  std::vector<Touch> touches = collectContacts(fresh);
+  collectBreaks(fresh, report.broken);
+  std::vector<int> sleepers;
+  if (params.sleeping || !registry.sleepers.empty()) sleepers = collectSleeps(fresh);
+  // all of it or, without memory, nothing: the next step then reports what has changed since the last events
+  events = std::move(fresh);
+  registry.touches = std::move(touches);
+  registry.sleepers = std::move(sleepers);
 }
 
 const Events& World::events() const { return impl_->events; }
@@ -105,54 +111,68 @@ bool World::asleep(BodyId id) const {
 
 void World::wake(BodyId id) {
   impl_->requireAlive(id);
-  impl_->wake(id);
+  withMemory("wake", [&] {
+    std::vector<Edit> edits;
+    impl_->addWake(edits, id);
+    impl_->engine->apply(edits);
+  });
+  impl_->pass(inputs::Wake{id});
 }
 
-void World::Impl::wake(BodyId id) {
+void World::Impl::addWake(std::vector<Edit>& edits, BodyId id) {
   if (!params.sleeping || id.index < 0) return;
   if (registry.bodies[id].def.motion == Motion::Dynamic)
-    engine->apply(SetBodyState{id.index, bodyState(id)});
+    edits.push_back(SetBodyState{id.index, bodyState(id)});
   else
-    engine->apply(ForgetContacts{{id.index}});
+    edits.push_back(ForgetContacts{{id.index}});
 }
 
 std::vector<ContactPoint> World::contacts() const {
-  std::vector<ContactPoint> out;
-  for (const EngineContact& c : impl_->engine->read().contacts()) {
-    const auto a = impl_->registry.bodies.at(c.a), b = impl_->registry.bodies.at(c.b);
-    if (a && b) out.push_back({*a, *b, c.position, c.normal, c.depth, c.force});
-  }
-  return out;
+  return withMemory("contacts", [&] {
+    std::vector<ContactPoint> out;
+    for (const EngineContact& c : impl_->engine->read().contacts()) {
+      const auto a = impl_->registry.bodies.at(c.a), b = impl_->registry.bodies.at(c.b);
+      if (a && b) out.push_back({*a, *b, c.position, c.normal, c.depth, c.force});
+    }
+    return out;
+  });
 }
 
 std::vector<SolverState> World::solverStates() const {
-  const std::vector<SolverState> all = impl_->engine->read().bodySolverStates();
-  std::vector<SolverState> out;
-  for (const BodyId id : bodies()) out.push_back(all[static_cast<std::size_t>(id.index)]);
-  return out;
+  return withMemory("solverStates", [&] {
+    const std::vector<SolverState> all = impl_->engine->read().bodySolverStates();
+    std::vector<SolverState> out;
+    for (const BodyId id : bodies()) out.push_back(all[static_cast<std::size_t>(id.index)]);
+    return out;
+  });
 }
 
 std::vector<SolverState> World::solverStates(DeformableId id) const {
-  impl_->requireAlive(id);
-  impl_->flush();
-  const SoftRange& range = impl_->registry.softs[id].range;
-  const std::vector<SolverState> all = impl_->engine->read().vertexSolverStates();
-  return {all.begin() + range.vertex, all.begin() + range.vertex + vertexCount(id)};
+  return withMemory("solverStates", [&] {
+    impl_->requireAlive(id);
+    impl_->flush();
+    const SoftRange& range = impl_->registry.softs[id].range;
+    const std::vector<SolverState> all = impl_->engine->read().vertexSolverStates();
+    const auto first = all.begin() + range.vertex;
+    return std::vector<SolverState>(first, first + vertexCount(id));
+  });
 }
 
 ContactLoad World::contactLoad(BodyId id) const {
-  impl_->requireAlive(id);
-  const Vec3 center = impl_->bodyState(id).position;
-  ContactLoad load;
-  for (const EngineContact& c : impl_->engine->read().contacts()) {
-    if (c.a != id.index && c.b != id.index) continue;
-    const Vec3 force = c.b == id.index ? c.force : -c.force;
-    load.force += force;
-    load.torque += cross(c.position - center, force);
-    load.residual = std::max(load.residual, c.depth);
-    ++load.points;
-  }
-  return load;
+  return withMemory("contactLoad", [&] {
+    impl_->requireAlive(id);
+    const Vec3 center = impl_->bodyState(id).position;
+    ContactLoad load;
+    for (const EngineContact& c : impl_->engine->read().contacts()) {
+      if (c.a != id.index && c.b != id.index) continue;
+      const Vec3 force = c.b == id.index ? c.force : -c.force;
+      load.force += force;
+      load.torque += cross(c.position - center, force);
+      load.residual = std::max(load.residual, c.depth);
+      ++load.points;
+    }
+    return load;
+  });
 }
 
 }  // namespace rubble

@@ -63,8 +63,12 @@ class HostPoseCopies final : public PoseCopies {
 }  // namespace
 
 std::vector<BodyId> World::addBodies(std::span<const BodyDef> bodies) {
-  for (std::size_t k = 0; k < bodies.size(); ++k) validate(bodies[k], Path("bodies")[k]);
-  return impl_->addBodies(bodies, "bodies");
+  std::vector<BodyId> ids = withMemory("addBodies", [&] {
+    for (std::size_t k = 0; k < bodies.size(); ++k) validate(bodies[k], Path("bodies")[k]);
+    return impl_->addBodies(bodies, "bodies");
+  });
+  impl_->pass(inputs::AddBodies{bodies});
+  return ids;
 }
 
 std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies, const std::string& list) {
@@ -78,13 +82,13 @@ std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies, cons
       expect(names.emplace(bodies[k].name, k).second, Path(list)[k] + ".name", kOwnName,
              "\"" + bodies[k].name + "\"");
   }
-  std::vector<BodyId> ids;
-  ids.reserve(bodies.size());
-  for (std::size_t k = 0; k < bodies.size(); ++k) ids.push_back(addBody(bodies[k], ready[k]));
-  return ids;
+  return addBodies(bodies, ready);
 }
 
-void World::removeBodies(std::span<const BodyId> ids) { impl_->removeBodies(ids); }
+void World::removeBodies(std::span<const BodyId> ids) {
+  withMemory("removeBodies", [&] { impl_->removeBodies(ids); });
+  impl_->pass(inputs::RemoveBodies{ids});
+}
 
 void World::setStates(std::span<const BodyId> ids, std::span<const BodyState> states) {
   sameLength(ids.size(), states.size(), "states");
@@ -92,13 +96,16 @@ void World::setStates(std::span<const BodyId> ids, std::span<const BodyState> st
     impl_->requireAlive(ids[k]);
     validate(states[k], Path("states")[k]);
   }
-  std::vector<Edit> edits;
-  for (std::size_t k = 0; k < ids.size(); ++k) {
-    const BodyRecord& body = impl_->registry.bodies[ids[k]];
-    if (body.def.motion != Motion::Dynamic) impl_->wake(ids[k]);
-    edits.push_back(SetBodyState{ids[k].index, body.frame.toEngine(states[k])});
-  }
-  impl_->engine->apply(edits);
+  withMemory("setStates", [&] {
+    std::vector<Edit> edits;
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      const BodyRecord& body = impl_->registry.bodies[ids[k]];
+      if (body.def.motion != Motion::Dynamic) impl_->addWake(edits, ids[k]);
+      edits.push_back(SetBodyState{ids[k].index, body.frame.toEngine(states[k])});
+    }
+    impl_->engine->apply(edits);
+  });
+  impl_->pass(inputs::SetStates{ids, states});
 }
 
 void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> forces,
@@ -110,31 +117,39 @@ void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> force
   }
   checks::finite(forces, "forces");
   checks::finite(torques, "torques");
-  std::vector<Edit> edits;
-  for (std::size_t k = 0; k < ids.size(); ++k)
-    edits.push_back(AddForce{ids[k].index, forces[k], torques.empty() ? Vec3{} : torques[k]});
-  impl_->engine->apply(edits);
+  withMemory("applyForces", [&] {
+    std::vector<Edit> edits;
+    for (std::size_t k = 0; k < ids.size(); ++k)
+      edits.push_back(AddForce{ids[k].index, forces[k], torques.empty() ? Vec3{} : torques[k]});
+    impl_->engine->apply(edits);
+  });
+  impl_->pass(inputs::ApplyForces{ids, forces, torques});
 }
 
 void World::applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> impulses) {
   sameLength(ids.size(), impulses.size(), "impulses");
   checks::finite(impulses, "impulses");
-  std::vector<Edit> edits;
-  for (std::size_t k = 0; k < ids.size(); ++k) {
-    impl_->requireAlive(ids[k]);
-    const BodyRecord& body = impl_->registry.bodies[ids[k]];
-    if (body.def.motion != Motion::Dynamic) continue;
-    edits.push_back(AddVelocity{ids[k].index, impulses[k] / body.mass.mass});
-  }
-  impl_->engine->apply(edits);
+  withMemory("applyImpulses", [&] {
+    std::vector<Edit> edits;
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      impl_->requireAlive(ids[k]);
+      const BodyRecord& body = impl_->registry.bodies[ids[k]];
+      if (body.def.motion != Motion::Dynamic) continue;
+      edits.push_back(AddVelocity{ids[k].index, impulses[k] / body.mass.mass});
+    }
+    impl_->engine->apply(edits);
+  });
+  impl_->pass(inputs::ApplyImpulses{ids, impulses});
 }
 
 ArrayView World::array(StateArray which) const {
   checks::enumeration(which, StateArray::Torque, "array");
-  impl_->flush();
-  ArrayView view = impl_->engine->array(which);
-  view.epoch = impl_->epoch;
-  return view;
+  return withMemory("array", [&] {
+    impl_->flush();
+    ArrayView view = impl_->engine->array(which);
+    view.epoch = impl_->epoch;
+    return view;
+  });
 }
 
 std::int64_t World::epoch() const { return impl_->epoch; }
@@ -150,7 +165,7 @@ void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& va
          "(" + std::to_string(rows.shape[0]) + ", " + std::to_string(numbers) + ")", shapeText(values));
   if (rows.shape[0] == 0) return;
   expect(rows.data && values.data, "rows, values", "memory", "none");
-  impl_->flush();
+  withMemory("scatter", [&] { impl_->flush(); });
   const bool onDevice = impl_->engine->poseCopies() != nullptr;
   expect(rows.device == values.device, "rows, values", "both on the host or both on the device",
          "one of each");
@@ -164,7 +179,8 @@ void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& va
                           {numberAt(values, k, 1), numberAt(values, k, 2), numberAt(values, k, 3)}},
                          path);
     }
-  impl_->engine->scatter(which, rows, values);
+  withMemory("scatter", [&] { impl_->engine->scatter(which, rows, values); });
+  impl_->pass(inputs::Scatter{which, rows, values});
 }
 
 PoseCopies& World::Impl::poseCopies() {
@@ -177,9 +193,11 @@ void World::beginPoses() {
   PoseRing& ring = impl_->poses;
   if (ring.begun - ring.taken >= 2)
     throw Error("beginPoses", "at most two copies under way: take one", "a third");
-  impl_->flush();
   const int buffer = static_cast<int>(ring.begun % 2);
-  impl_->poseCopies().begin(buffer);
+  withMemory("beginPoses", [&] {
+    impl_->flush();
+    impl_->poseCopies().begin(buffer);
+  });
   ring.frames[buffer] = {impl_->registry.step, impl_->registry.time};
   ++ring.begun;
 }
@@ -205,13 +223,7 @@ void World::reserve(const std::string& kind, int count) {
   constexpr int kMost = 1 << 28;
   if (count < 0 || count > kMost)
     throw Error("count", "a number from 0 to " + std::to_string(kMost), std::to_string(count));
-  bool known = false;
-  try {
-    known = impl_->engine->reserve(kind, count);
-  } catch (const std::bad_alloc&) {
-    throw Error("count", "a number that there is memory for", std::to_string(count));
-  }
-  if (!known)
+  if (!withMemory("reserve", [&] { return impl_->engine->reserve(kind, count); }))
     throw Error("kind",
                 "pairs, activePairs, manifolds, rollers, bounceRows, incidences, colors, aggregates, slices, "
                 "boundary, pointPairs, pointIncidences, nearFeatures or freeIslands",

@@ -95,85 +95,95 @@ class QueryShapeList {
 }  // namespace
 
 std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
-  std::vector<RayHit> hits(rays.size());
-  castRays(rays, hits);
-  return hits;
+  return withMemory("castRays", [&] {
+    std::vector<RayHit> hits(rays.size());
+    castRays(rays, hits);
+    return hits;
+  });
 }
 
 void World::castRays(std::span<const RayQuery> rays, std::span<RayHit> hits) {
-  if (hits.size() != rays.size())
-    throw Error("hits", "one hit per ray, " + std::to_string(rays.size()), std::to_string(hits.size()));
-  const auto isValid = [](const RayQuery& ray) {
-    return checks::isFinite(ray.origin) && checks::isFinite(ray.direction) && length(ray.direction) > 0 &&
-           ray.maxDistance > 0 && checks::isFinite(Vec3{ray.maxDistance, 0, 0});
-  };
-  impl_->flush();
-  const std::span<EngineQuery> queries = impl_->engine->queryRoom(rays.size());
-  std::atomic<bool> valid = true;
-  forEachIndex(rays.size(), [&](std::size_t i) {
-    const RayQuery& ray = rays[i];
-    if (!isValid(ray)) valid = false;
-    queries[i] = filtered(ray.filter, impl_->registry);
-    queries[i].position = ray.origin;
-    queries[i].move = ray.direction * (ray.maxDistance / length(ray.direction));
-  });
-  if (!valid)
-    for (std::size_t i = 0; i < rays.size(); ++i) checkRay(rays[i], i);
-  const std::span<const EngineHit> found = impl_->engine->hits({QueryKind::Ray, queries, {}});
-  forEachIndex(rays.size(), [&](std::size_t i) {
-    const EngineHit& hit = found[i];
-    hits[i] = hit.body < 0 ? RayHit{}
-                           : RayHit{true, *impl_->registry.bodies.at(hit.body),
-                                    hit.fraction * rays[i].maxDistance, hit.position, hit.normal};
+  withMemory("castRays", [&] {
+    if (hits.size() != rays.size())
+      throw Error("hits", "one hit per ray, " + std::to_string(rays.size()), std::to_string(hits.size()));
+    const auto isValid = [](const RayQuery& ray) {
+      return checks::isFinite(ray.origin) && checks::isFinite(ray.direction) && length(ray.direction) > 0 &&
+             ray.maxDistance > 0 && checks::isFinite(Vec3{ray.maxDistance, 0, 0});
+    };
+    impl_->flush();
+    const std::span<EngineQuery> queries = impl_->engine->queryRoom(rays.size());
+    std::atomic<bool> valid = true;
+    forEachIndex(rays.size(), [&](std::size_t i) {
+      const RayQuery& ray = rays[i];
+      if (!isValid(ray)) valid = false;
+      queries[i] = filtered(ray.filter, impl_->registry);
+      queries[i].position = ray.origin;
+      queries[i].move = ray.direction * (ray.maxDistance / length(ray.direction));
+    });
+    if (!valid)
+      for (std::size_t i = 0; i < rays.size(); ++i) checkRay(rays[i], i);
+    const std::span<const EngineHit> found = impl_->engine->hits({QueryKind::Ray, queries, {}});
+    forEachIndex(rays.size(), [&](std::size_t i) {
+      const EngineHit& hit = found[i];
+      hits[i] = hit.body < 0 ? RayHit{}
+                             : RayHit{true, *impl_->registry.bodies.at(hit.body),
+                                      hit.fraction * rays[i].maxDistance, hit.position, hit.normal};
+    });
   });
 }
 
 std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
-  impl_->flush();
-  const std::span<EngineQuery> queries = impl_->engine->queryRoom(casts.size());
-  QueryShapeList shapes(impl_->registry);
-  for (std::size_t i = 0; i < casts.size(); ++i) {
-    queries[i] = shapes.query(casts[i], "casts", i);
-    checks::finite(casts[i].displacement, at("casts", i, "displacement"));
-    queries[i].move = casts[i].displacement;
-  }
-  std::vector<CastHit> out;
-  for (const EngineHit& hit : impl_->engine->hits({QueryKind::Cast, queries, shapes.cooked()}))
-    out.push_back(hit.body < 0 ? CastHit{}
-                               : CastHit{true, *impl_->registry.bodies.at(hit.body), hit.fraction,
-                                         hit.position, hit.normal});
-  return out;
+  return withMemory("castShapes", [&] {
+    impl_->flush();
+    const std::span<EngineQuery> queries = impl_->engine->queryRoom(casts.size());
+    QueryShapeList shapes(impl_->registry);
+    for (std::size_t i = 0; i < casts.size(); ++i) {
+      queries[i] = shapes.query(casts[i], "casts", i);
+      checks::finite(casts[i].displacement, at("casts", i, "displacement"));
+      queries[i].move = casts[i].displacement;
+    }
+    std::vector<CastHit> out;
+    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Cast, queries, shapes.cooked()}))
+      out.push_back(hit.body < 0 ? CastHit{}
+                                 : CastHit{true, *impl_->registry.bodies.at(hit.body), hit.fraction,
+                                           hit.position, hit.normal});
+    return out;
+  });
 }
 
 std::vector<std::vector<BodyId>> World::overlaps(std::span<const OverlapQuery> shapes) {
-  impl_->flush();
-  const std::span<EngineQuery> queries = impl_->engine->queryRoom(shapes.size());
-  QueryShapeList list(impl_->registry);
-  for (std::size_t i = 0; i < shapes.size(); ++i) queries[i] = list.query(shapes[i], "shapes", i);
-  const EngineOverlaps found = impl_->engine->overlaps({QueryKind::Overlap, queries, list.cooked()});
-  std::vector<std::vector<BodyId>> out(shapes.size());
-  for (std::size_t i = 0; i < shapes.size(); ++i)
-    for (int k = found.offsets[i]; k < found.offsets[i + 1]; ++k)
-      out[i].push_back(*impl_->registry.bodies.at(found.bodies[static_cast<std::size_t>(k)]));
-  return out;
+  return withMemory("overlaps", [&] {
+    impl_->flush();
+    const std::span<EngineQuery> queries = impl_->engine->queryRoom(shapes.size());
+    QueryShapeList list(impl_->registry);
+    for (std::size_t i = 0; i < shapes.size(); ++i) queries[i] = list.query(shapes[i], "shapes", i);
+    const EngineOverlaps found = impl_->engine->overlaps({QueryKind::Overlap, queries, list.cooked()});
+    std::vector<std::vector<BodyId>> out(shapes.size());
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+      for (int k = found.offsets[i]; k < found.offsets[i + 1]; ++k)
+        out[i].push_back(*impl_->registry.bodies.at(found.bodies[static_cast<std::size_t>(k)]));
+    return out;
+  });
 }
 
 std::vector<ClosestHit> World::closestPoints(std::span<const ClosestQuery> points) {
-  impl_->flush();
-  const std::span<EngineQuery> queries = impl_->engine->queryRoom(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    checks::finite(points[i].point, at("points", i, "point"));
-    checks::positive(points[i].maxDistance, at("points", i, "maxDistance"));
-    queries[i] = filtered(points[i].filter, impl_->registry);
-    queries[i].position = points[i].point;
-    queries[i].reach = points[i].maxDistance;
-  }
-  std::vector<ClosestHit> out;
-  for (const EngineHit& hit : impl_->engine->hits({QueryKind::Closest, queries, {}}))
-    out.push_back(hit.body < 0
-                      ? ClosestHit{}
-                      : ClosestHit{true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
-  return out;
+  return withMemory("closestPoints", [&] {
+    impl_->flush();
+    const std::span<EngineQuery> queries = impl_->engine->queryRoom(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      checks::finite(points[i].point, at("points", i, "point"));
+      checks::positive(points[i].maxDistance, at("points", i, "maxDistance"));
+      queries[i] = filtered(points[i].filter, impl_->registry);
+      queries[i].position = points[i].point;
+      queries[i].reach = points[i].maxDistance;
+    }
+    std::vector<ClosestHit> out;
+    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Closest, queries, {}}))
+      out.push_back(hit.body < 0
+                        ? ClosestHit{}
+                        : ClosestHit{true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
+    return out;
+  });
 }
 
 }  // namespace rubble

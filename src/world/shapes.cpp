@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "cook/cook.h"
-#include "world/world_impl.h"
+#include "world/table_additions.h"
 
 namespace rubble {
 
@@ -23,17 +23,6 @@ bool same(const Material& a, const Material& b) {
 
 }  // namespace
 
-int World::Impl::surfaceOf(const Material& material) {
-  if (isPlain(material)) return -1;
-  std::vector<Material>& all = registry.surfaces;
-  const auto found = std::find_if(all.begin(), all.end(),
-                                  [&](const Material& m) { return same(m, material); });
-  if (found != all.end()) return static_cast<int>(found - all.begin());
-  all.push_back(material);
-  engine->apply(SetSurfaces{all});
-  return static_cast<int>(all.size()) - 1;
-}
-
 const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape) {
   const auto found = std::find_if(entries.begin(), entries.end(), [&](const CookedEntry& e) {
     return e.key.geometry == shape.geometry && e.key.type == shape.type && e.key.rounding == shape.rounding;
@@ -51,27 +40,59 @@ std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, co
   return fresh.back().cooked;
 }
 
-int World::Impl::placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked) {
-  if (!shape.geometry) return 0;
-  if (const CookedEntry* entry = findCooked(registry.shapes, shape)) return entry->indexBase;
-  std::vector<int> partSurfaces;
-  for (const CookedPart& part : cooked->parts) {
-    int surface = -1;
-    if (part.material) {
-      surface = surfaceOf(*part.material);
-      // a material that overrides that of the body is always in the table
-      if (surface < 0) {
-        registry.surfaces.push_back(*part.material);
-        engine->apply(SetSurfaces{registry.surfaces});
-        surface = static_cast<int>(registry.surfaces.size()) - 1;
-      }
-    }
-    partSurfaces.push_back(surface);
+int TableAdditions::addSurface(const Material& material) {
+  surfaces_.push_back(material);
+  return static_cast<int>(registry_.surfaces.size() + surfaces_.size()) - 1;
+}
+
+int TableAdditions::surfaceOf(const Material& material) {
+  if (isPlain(material)) return -1;
+  int first = 0;
+  for (const std::vector<Material>* list : {&registry_.surfaces, &std::as_const(surfaces_)}) {
+    const auto found = std::find_if(list->begin(), list->end(),
+                                    [&](const Material& m) { return same(m, material); });
+    if (found != list->end()) return first + static_cast<int>(found - list->begin());
+    first += static_cast<int>(list->size());
   }
-  engine->apply(AddShape{cooked, partSurfaces});
-  registry.shapes.push_back({shape, cooked, registry.shapeIndices});
-  registry.shapeIndices += static_cast<int>(cooked->indices.size());
-  return registry.shapes.back().indexBase;
+  return addSurface(material);
+}
+
+int TableAdditions::placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked) {
+  if (!shape.geometry) return 0;
+  for (const std::vector<CookedEntry>* list : {&registry_.shapes, &std::as_const(shapes_)})
+    if (const CookedEntry* entry = findCooked(*list, shape)) return entry->indexBase;
+  std::vector<int>& surfaces = partSurfaces_.emplace_back();
+  for (const CookedPart& part : cooked->parts) {
+    int surface = part.material ? surfaceOf(*part.material) : -1;
+    // a material that overrides that of the body is always in the table
+    if (part.material && surface < 0) surface = addSurface(*part.material);
+    surfaces.push_back(surface);
+  }
+  shapes_.push_back({shape, cooked, registry_.shapeIndices + indices_});
+  indices_ += static_cast<int>(cooked->indices.size());
+  return shapes_.back().indexBase;
+}
+
+std::vector<Edit> TableAdditions::edits() const {
+  std::vector<Edit> out;
+  for (std::size_t k = 0; k < shapes_.size(); ++k)
+    out.push_back(AddShape{shapes_[k].cooked, partSurfaces_[k]});
+  if (surfaces_.empty()) return out;
+  std::vector<Material> all = registry_.surfaces;
+  all.insert(all.end(), surfaces_.begin(), surfaces_.end());
+  out.push_back(SetSurfaces{std::move(all)});
+  return out;
+}
+
+void TableAdditions::prepare(Registry& registry) const {
+  reserveMore(registry.surfaces, static_cast<int>(surfaces_.size()));
+  reserveMore(registry.shapes, static_cast<int>(shapes_.size()));
+}
+
+void TableAdditions::commit(Registry& registry) noexcept {
+  registry.surfaces.insert(registry.surfaces.end(), surfaces_.begin(), surfaces_.end());
+  std::move(shapes_.begin(), shapes_.end(), std::back_inserter(registry.shapes));
+  registry.shapeIndices += indices_;
 }
 
 }  // namespace rubble

@@ -50,17 +50,23 @@ DeformableId World::Impl::addSoft(const Deformable& def, const Path& path) {
   const std::string& name = common(def).name;
   if (!name.empty() && registry.softNames.contains(name))
     throw Error(path + ".name", "a name that no other deformable object has", "\"" + name + "\"");
-  const DeformableId id = registry.softs.add({def, cookDeformable(def, path), registry.softOrder++, {}});
-  if (!name.empty()) registry.softNames[name] = id;
+  SoftRecord record{def, cookDeformable(def, path), registry.softOrder, {}};
+  registry.softs.prepare();
+  if (!name.empty()) registry.softNames.emplace(name, registry.softs.next());
+  ++registry.softOrder;
   softChanged = true;
-  return id;
+  return registry.softs.add(std::move(record));
 }
 
 void World::Impl::removeSoft(DeformableId id) {
   requireAlive(id);
-  for (const AttachmentId a : registry.attachments.ids())
-    if (registry.attachments[a].object == id || registry.attachments[a].otherObject == id)
-      removeAttachment(a);
+  registry.softs.prepare();
+  registry.attachments.prepare(registry.attachments.count());
+  for (int slot = 0; slot < registry.attachments.size(); ++slot) {
+    const auto a = registry.attachments.at(slot);
+    if (a && (registry.attachments[*a].object == id || registry.attachments[*a].otherObject == id))
+      registry.attachments.remove(*a);
+  }
   const std::string& name = common(registry.softs[id].def).name;
   if (!name.empty()) registry.softNames.erase(name);
   registry.softs.remove(id);
@@ -76,7 +82,7 @@ AttachmentId World::Impl::addAttachment(const AttachmentDef& def, DeformableId o
     throw Error(path + ".stiffness", "a number above 0 or infinity", std::to_string(def.stiffness));
   if (!(def.breakForce > 0))
     throw Error(path + ".breakForce", "a number above 0 or infinity", std::to_string(def.breakForce));
-  AttachmentRecord record{def, object, other, body, {}, registry.softOrder++, -1};
+  AttachmentRecord record{def, object, other, body, {}, registry.softOrder, -1};
   const auto countOf = [&](DeformableId id) { return int(registry.softs[id].model->vertices.size()); };
   record.def.weights = sideWeights(def.vertices, def.weights, countOf(object), path + ".vertices");
   std::size_t corners = def.vertices.size();
@@ -103,38 +109,39 @@ AttachmentId World::Impl::addAttachment(const AttachmentDef& def, DeformableId o
       record.anchor = rotateInverse(state.orientation, record.anchor - state.position);
     }
   }
+  registry.attachments.prepare();
+  ++registry.softOrder;
   softChanged = true;
   return registry.attachments.add(std::move(record));
 }
 
 void World::Impl::removeAttachment(AttachmentId id) {
   requireAlive(id);
+  registry.attachments.prepare();
   registry.attachments.remove(id);
   softChanged = true;
-}
-
-void World::Impl::removeAttachmentsOf(BodyId id) {
-  for (const AttachmentId a : registry.attachments.ids())
-    if (registry.attachments[a].body == id) removeAttachment(a);
 }
 
 void World::Impl::flush() {
   if (!softChanged) return;
   std::vector<EngineSoftObject> objects;
+  const std::vector<DeformableId> softs = inOrder(registry.softs);
+  std::vector<SoftRange> ranges(static_cast<std::size_t>(registry.softs.size()));  // by slot
   SoftRange next;
   next.vertex = 0;
-  for (const DeformableId id : inOrder(registry.softs)) {
-    SoftRecord& r = registry.softs.edit(id);
+  for (const DeformableId id : softs) {
+    const SoftRecord& r = registry.softs[id];
     objects.push_back({r.model, next, r.range});
-    r.range = next;
+    ranges[std::size_t(id.index)] = next;
     next.vertex += int(r.model->vertices.size());
     const auto counts = elementCounts(*r.model);
     for (std::size_t k = 0; k < counts.size(); ++k) next.element[k] += counts[k];
     next.edge += int(r.model->edges.size()), next.face += int(r.model->faces.size());
   }
   std::vector<EngineAttachment> attachments;
-  for (const AttachmentId id : inOrder(registry.attachments)) {
-    AttachmentRecord& r = registry.attachments.edit(id);
+  const std::vector<AttachmentId> order = inOrder(registry.attachments);
+  for (const AttachmentId id : order) {
+    const AttachmentRecord& r = registry.attachments[id];
     EngineAttachment a;
     int corner = 0;
     const auto addSide = [&](DeformableId object, const std::vector<int>& vertices,
@@ -142,7 +149,7 @@ void World::Impl::flush() {
       const SoftRecord& soft = registry.softs[object];
       for (std::size_t i = 0; i < vertices.size(); ++i, ++corner) {
         const SoftModel::Vertex& vertex = soft.model->vertices[std::size_t(vertices[i])];
-        a.v[corner] = soft.range.vertex + vertices[i];
+        a.v[corner] = ranges[std::size_t(object.index)].vertex + vertices[i];
         a.weight[corner] = sign * weights[i];
         if (vertex.mass > 0 && weights[i] != 0) {
           const double mass = vertex.mass / (weights[i] * weights[i]);
@@ -162,19 +169,29 @@ void World::Impl::flush() {
     a.bound = r.def.breakForce;
     a.compliance = r.def.stiffness == kHard ? 0 : 1 / r.def.stiffness;
     a.previous = r.engineIndex;
-    r.engineIndex = int(attachments.size());
     attachments.push_back(a);
   }
+  registry.softs.prepare(0), registry.attachments.prepare(0);
   engine->apply(SetDeformables{std::move(objects), std::move(attachments)});
+  for (const DeformableId id : softs) registry.softs.edit(id).range = ranges[std::size_t(id.index)];
+  for (std::size_t k = 0; k < order.size(); ++k) registry.attachments.edit(order[k]).engineIndex = int(k);
   softChanged = false;
 }
 
 DeformableId World::addDeformable(const Deformable& deformable) {
-  return impl_->addSoft(deformable, "deformable");
+  const DeformableId id = withMemory("addDeformable",
+                                     [&] { return impl_->addSoft(deformable, "deformable"); });
+  impl_->pass(inputs::AddDeformable{deformable});
+  return id;
 }
-void World::removeDeformable(DeformableId id) { impl_->removeSoft(id); }
+void World::removeDeformable(DeformableId id) {
+  withMemory("removeDeformable", [&] { impl_->removeSoft(id); });
+  impl_->pass(inputs::RemoveDeformable{id});
+}
 bool World::alive(DeformableId id) const { return impl_->registry.softs.alive(id); }
-std::vector<DeformableId> World::deformables() const { return impl_->registry.softs.ids(); }
+std::vector<DeformableId> World::deformables() const {
+  return withMemory("deformables", [&] { return impl_->registry.softs.ids(); });
+}
 DeformableId World::findDeformable(const std::string& name) const {
   const auto it = impl_->registry.softNames.find(name);
   if (it == impl_->registry.softNames.end())
@@ -196,105 +213,133 @@ int World::vertexCount(DeformableId id) const {
   return int(impl_->registry.softs[id].model->vertices.size());
 }
 std::vector<Vec3> World::positions(DeformableId id) const {
-  std::vector<Vec3> out(static_cast<std::size_t>(vertexCount(id)));
-  impl_->flush();
-  impl_->engine->read(Fetch::Vertices).vertexStates(impl_->registry.softs[id].range.vertex, out, {});
-  return out;
+  return withMemory("positions", [&] {
+    std::vector<Vec3> out(static_cast<std::size_t>(vertexCount(id)));
+    impl_->flush();
+    impl_->engine->read(Fetch::Vertices).vertexStates(impl_->registry.softs[id].range.vertex, out, {});
+    return out;
+  });
 }
 std::vector<Vec3> World::velocities(DeformableId id) const {
-  std::vector<Vec3> out(static_cast<std::size_t>(vertexCount(id)));
-  impl_->flush();
-  impl_->engine->read(Fetch::Vertices).vertexStates(impl_->registry.softs[id].range.vertex, {}, out);
-  return out;
+  return withMemory("velocities", [&] {
+    std::vector<Vec3> out(static_cast<std::size_t>(vertexCount(id)));
+    impl_->flush();
+    impl_->engine->read(Fetch::Vertices).vertexStates(impl_->registry.softs[id].range.vertex, {}, out);
+    return out;
+  });
 }
 std::vector<double> World::masses(DeformableId id) const {
-  impl_->requireAlive(id);
-  std::vector<double> out;
-  for (const SoftModel::Vertex& v : impl_->registry.softs[id].model->vertices) out.push_back(v.mass);
-  return out;
+  return withMemory("masses", [&] {
+    impl_->requireAlive(id);
+    std::vector<double> out;
+    for (const SoftModel::Vertex& v : impl_->registry.softs[id].model->vertices) out.push_back(v.mass);
+    return out;
+  });
 }
 void World::setVertices(DeformableId id, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
-  const auto count = static_cast<std::size_t>(vertexCount(id));
-  if (positions.size() != count || velocities.size() != count)
-    throw Error("vertices", std::to_string(count) + " positions and velocities",
-                std::to_string(positions.size()) + " and " + std::to_string(velocities.size()));
-  checks::finite(positions, "vertices");
-  checks::finite(velocities, "vertices");
-  impl_->flush();
-  impl_->engine->apply(SetVertices{impl_->registry.softs[id].range.vertex,
-                                   {positions.begin(), positions.end()},
-                                   {velocities.begin(), velocities.end()}});
+  withMemory("setVertices", [&] {
+    const auto count = static_cast<std::size_t>(vertexCount(id));
+    if (positions.size() != count || velocities.size() != count)
+      throw Error("vertices", std::to_string(count) + " positions and velocities",
+                  std::to_string(positions.size()) + " and " + std::to_string(velocities.size()));
+    checks::finite(positions, "vertices");
+    checks::finite(velocities, "vertices");
+    impl_->flush();
+    impl_->engine->apply(SetVertices{impl_->registry.softs[id].range.vertex,
+                                     {positions.begin(), positions.end()},
+                                     {velocities.begin(), velocities.end()}});
+  });
+  impl_->pass(inputs::SetVertices{id, positions, velocities});
 }
 void World::applyVertexForce(DeformableId id, int vertex, const Vec3& force) {
-  if (vertex < 0 || vertex >= vertexCount(id))
-    throw Error("vertex", "an index below " + std::to_string(vertexCount(id)), std::to_string(vertex));
-  checks::finite(force, "force");
-  impl_->flush();
-  impl_->engine->apply(AddVertexForce{impl_->registry.softs[id].range.vertex + vertex, force});
+  withMemory("applyVertexForce", [&] {
+    if (vertex < 0 || vertex >= vertexCount(id))
+      throw Error("vertex", "an index below " + std::to_string(vertexCount(id)), std::to_string(vertex));
+    checks::finite(force, "force");
+    impl_->flush();
+    impl_->engine->apply(AddVertexForce{impl_->registry.softs[id].range.vertex + vertex, force});
+  });
+  impl_->pass(inputs::ApplyVertexForce{id, vertex, force});
 }
 
 World::Surface World::surface(DeformableId id) const {
-  Surface out;
-  out.id = id;
-  out.vertices = positions(id);
-  const SoftRecord& r = impl_->registry.softs[id];
-  const SoftModel& m = *r.model;
-  const auto counts = elementCounts(m);
-  const auto alive = [&](int type) {
-    return impl_->engine->read().elementsAlive(type, r.range.element[type], counts[std::size_t(type)]);
-  };
-  constexpr int kMembranes = typeIndex<host::Membrane>(host::ElementTypes{}),
-                kSprings = typeIndex<host::Spring>(host::ElementTypes{});
-  const std::vector<char> whole = alive(kMembranes);
-  for (std::size_t i = 0; i < m.surface.size(); ++i)
-    if (whole.empty() || whole[i]) out.triangles.push_back(m.surface[i]);
-  const std::vector<char> unbroken = alive(kSprings);
-  for (std::size_t i = 0; i < unbroken.size(); ++i)
-    if (unbroken[i]) out.segments.push_back(m.list<SpringModel>()[i].v);
-  out.radius = m.vertices[0].radius;
-  out.spheres = std::holds_alternative<ParticlesDef>(r.def);
-  return out;
+  return withMemory("surface", [&] {
+    Surface out;
+    out.id = id;
+    out.vertices = positions(id);
+    const SoftRecord& r = impl_->registry.softs[id];
+    const SoftModel& m = *r.model;
+    const auto counts = elementCounts(m);
+    const auto alive = [&](int type) {
+      return impl_->engine->read().elementsAlive(type, r.range.element[type], counts[std::size_t(type)]);
+    };
+    constexpr int kMembranes = typeIndex<host::Membrane>(host::ElementTypes{}),
+                  kSprings = typeIndex<host::Spring>(host::ElementTypes{});
+    const std::vector<char> whole = alive(kMembranes);
+    for (std::size_t i = 0; i < m.surface.size(); ++i)
+      if (whole.empty() || whole[i]) out.triangles.push_back(m.surface[i]);
+    const std::vector<char> unbroken = alive(kSprings);
+    for (std::size_t i = 0; i < unbroken.size(); ++i)
+      if (unbroken[i]) out.segments.push_back(m.list<SpringModel>()[i].v);
+    out.radius = m.vertices[0].radius;
+    out.spheres = std::holds_alternative<ParticlesDef>(r.def);
+    return out;
+  });
 }
 
 AttachmentId World::addAttachment(const AttachmentDef& attachment, DeformableId object, BodyId body,
                                   DeformableId otherObject) {
-  return impl_->addAttachment(attachment, object, body, otherObject, "attachment");
+  const AttachmentId id = withMemory("addAttachment", [&] {
+    return impl_->addAttachment(attachment, object, body, otherObject, "attachment");
+  });
+  impl_->pass(inputs::AddAttachment{attachment, object, body, otherObject});
+  return id;
 }
-void World::removeAttachment(AttachmentId id) { impl_->removeAttachment(id); }
+void World::removeAttachment(AttachmentId id) {
+  withMemory("removeAttachment", [&] { impl_->removeAttachment(id); });
+  impl_->pass(inputs::RemoveAttachment{id});
+}
 bool World::alive(AttachmentId id) const { return impl_->registry.attachments.alive(id); }
-std::vector<AttachmentId> World::attachments() const { return impl_->registry.attachments.ids(); }
+std::vector<AttachmentId> World::attachments() const {
+  return withMemory("attachments", [&] { return impl_->registry.attachments.ids(); });
+}
 World::AttachmentEnds World::endsOf(AttachmentId id) const {
   impl_->requireAlive(id);
   const AttachmentRecord& record = impl_->registry.attachments[id];
   return {record.object, record.otherObject, record.body, record.anchor};
 }
 JointState World::state(AttachmentId id) const {
-  impl_->requireAlive(id);
-  impl_->flush();
-  return impl_->engine->read().attachmentState(impl_->registry.attachments[id].engineIndex);
+  return withMemory("state", [&] {
+    impl_->requireAlive(id);
+    impl_->flush();
+    return impl_->engine->read().attachmentState(impl_->registry.attachments[id].engineIndex);
+  });
 }
 
 std::vector<VertexContact> World::vertexContacts() const {
-  impl_->flush();
-  const Registry& r = impl_->registry;
-  const std::vector<DeformableId> order = inOrder(r.softs);
-  // the object of a vertex: the last one that starts at or before it
-  const auto owner = [&](int vertex, int& local) {
-    const auto next = std::upper_bound(order.begin(), order.end(), vertex,
-                                       [&](int v, DeformableId id) { return v < r.softs[id].range.vertex; });
-    const DeformableId id = *(next - 1);
-    local = vertex - r.softs[id].range.vertex;
-    return id;
-  };
-  std::vector<VertexContact> out;
-  for (const EngineVertexContact& c : impl_->engine->read().vertexContacts()) {
-    VertexContact v{{}, -1, {}, {}, -1, c.normal, c.depth, c.force};
-    v.object = owner(c.vertex, v.vertex);
-    if (c.otherVertex >= 0) v.otherObject = owner(c.otherVertex, v.otherVertex);
-    if (c.body >= 0) v.body = r.bodies.at(c.body).value_or(BodyId{});
-    out.push_back(v);
-  }
-  return out;
+  return withMemory("vertexContacts", [&] {
+    impl_->flush();
+    const Registry& r = impl_->registry;
+    const std::vector<DeformableId> order = inOrder(r.softs);
+    // the object of a vertex: the last one that starts at or before it
+    const auto owner = [&](int vertex, int& local) {
+      const auto next = std::upper_bound(order.begin(), order.end(), vertex, [&](int v, DeformableId id) {
+        return v < r.softs[id].range.vertex;
+      });
+      const DeformableId id = *(next - 1);
+      local = vertex - r.softs[id].range.vertex;
+      return id;
+    };
+    std::vector<VertexContact> out;
+    for (const EngineVertexContact& c : impl_->engine->read().vertexContacts()) {
+      VertexContact v{{}, -1, {}, {}, -1, c.normal, c.depth, c.force};
+      v.object = owner(c.vertex, v.vertex);
+      if (c.otherVertex >= 0) v.otherObject = owner(c.otherVertex, v.otherVertex);
+      if (c.body >= 0) v.body = r.bodies.at(c.body).value_or(BodyId{});
+      out.push_back(v);
+    }
+    return out;
+  });
 }
 
 }  // namespace rubble

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <numbers>
 
 #include <rubble/info.h>
 
 #include "cook/checks.h"
+#include "world/log.h"
 #include "world/world_impl.h"
 
 namespace rubble {
@@ -44,7 +44,7 @@ double StepReport::stageMs(const std::string& name) const {
   return 0;
 }
 
-World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_unique<Impl>()) {
+World::World(const Scene& scene, const WorldOptions& options) try : impl_(std::make_unique<Impl>()) {
   validate(scene);
   validate(options.params);
   if (options.threads < 0 || options.threads > kMostThreads)
@@ -54,6 +54,7 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
   impl_->engine = makeEngine(options);
   impl_->doublePrecision = options.backend == "reference";
   impl_->wantsEvents = options.events;
+  impl_->log = options.log;
   Registry& r = impl_->registry;
   r.gravity = scene.gravity;
   impl_->configure(false);
@@ -74,59 +75,87 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
     const AttachmentDef& a = scene.attachments[i];
     impl_->addAttachment(a, softOf(a.object), idOf(a.body), softOf(a.otherObject), Path("attachments")[i]);
   }
+} catch (const std::bad_alloc&) {
+  throw OutOfMemory("World");
 }
 
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-StepReport World::step() try {
+StepReport World::step() {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
-  impl_->flush();
-  StepReport report;
-  report.step = impl_->registry.step;
-  const int interval = impl_->params.sortInterval;
-  report.sorted = std::exchange(impl_->sortSoon, false) || (interval > 0 && report.step % interval == 0);
-  if (report.sorted) impl_->engine->sortBodies(), ++impl_->epoch;
-  impl_->engine->step(report);
-  impl_->difference = report.difference;
-  if (report.brokenJoints > 0) impl_->findBroken(report.broken);
-  impl_->collectEvents(report);
-  ++impl_->registry.step;
-  impl_->registry.time += impl_->params.dt;
+  Registry& r = impl_->registry;
+  StepReport report = withMemory("step", [&] {
+    StepReport out;
+    impl_->flush();
+    if (r.hasUnlistedBreaks) impl_->findBroken(out.broken);
+    r.hasUnlistedBreaks = false;
+    out.step = r.step;
+    const int interval = impl_->params.sortInterval;
+    out.sorted = impl_->sortSoon || (interval > 0 && r.step % interval == 0);
+    if (out.sorted) impl_->engine->sortBodies(), ++impl_->epoch;
+    impl_->sortSoon = false;
+    impl_->engine->step(out);
+    // the step is taken; what follows reports it
+    ++r.step;
+    r.time += impl_->params.dt;
+    r.hasUnlistedBreaks = out.brokenJoints > 0;
+    impl_->events = {};
+    impl_->difference = out.difference;
+    if (r.hasUnlistedBreaks) impl_->findBroken(out.broken);
+    r.hasUnlistedBreaks = false;
+    impl_->collectEvents(out);
+    return out;
+  });
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  impl_->pass(inputs::Step{});
+  if (impl_->log) withMemory("log", [&] { logStep(report, impl_->log); });
   return report;
-} catch (const std::bad_alloc&) {
-  throw Error("step", "memory for the tables that it needs", "none left");
 }
 
-void World::sortBodies() { impl_->sortSoon = true; }
+void World::sortBodies() {
+  impl_->sortSoon = true;
+  impl_->pass(inputs::SortBodies{});
+}
 
 const Params& World::params() const { return impl_->params; }
 void World::setParams(const Params& params) {
   validate(params);
   impl_->params = params;
   impl_->configure(true);
+  impl_->pass(inputs::SetParams{params});
 }
 Vec3 World::gravity() const { return impl_->registry.gravity; }
 void World::setGravity(const Vec3& gravity) {
   checks::finite(gravity, "gravity");
   impl_->registry.gravity = gravity;
   impl_->configure(true);
+  impl_->pass(inputs::SetGravity{gravity});
 }
 std::int64_t World::stepCount() const { return impl_->registry.step; }
 double World::time() const { return impl_->registry.time; }
 
 BodyId World::addBody(const BodyDef& body) {
-  validate(body, "body");
-  std::vector<CookedEntry> fresh;
-  return impl_->addBody(body, impl_->ready(body, "body", fresh));
+  const BodyId id = withMemory("addBody", [&] {
+    validate(body, "body");
+    std::vector<CookedEntry> fresh;
+    const ReadyBody ready = impl_->ready(body, "body", fresh);
+    return impl_->addBodies({&body, 1}, {&ready, 1}).front();
+  });
+  impl_->pass(inputs::AddBodies{{&body, 1}});
+  return id;
 }
-void World::removeBody(BodyId id) { impl_->removeBody(id); }
-void World::setCollide(BodyId a, BodyId b, bool collide) { impl_->exclude(a, b, !collide); }
+void World::removeBody(BodyId id) { removeBodies({&id, 1}); }
+void World::setCollide(BodyId a, BodyId b, bool collide) {
+  withMemory("setCollide", [&] { impl_->exclude(a, b, !collide); });
+  impl_->pass(inputs::SetCollide{a, b, collide});
+}
 bool World::alive(BodyId id) const { return impl_->registry.bodies.alive(id); }
-std::vector<BodyId> World::bodies() const { return impl_->registry.bodies.ids(); }
+std::vector<BodyId> World::bodies() const {
+  return withMemory("bodies", [&] { return impl_->registry.bodies.ids(); });
+}
 
 BodyId World::findBody(const std::string& name) const {
   const auto it = impl_->registry.bodyNames.find(name);
@@ -153,9 +182,10 @@ BodyState World::state(BodyId id) const {
 }
 void World::setState(BodyId id, const BodyState& state) {
   impl_->requireAlive(id);
+  if (impl_->registry.bodies[id].def.motion != Motion::Dynamic) return setStates({&id, 1}, {&state, 1});
   validate(state, "state");
-  if (impl_->registry.bodies[id].def.motion != Motion::Dynamic) impl_->wake(id);
   impl_->engine->apply(SetBodyState{id.index, impl_->registry.bodies[id].frame.toEngine(state)});
+  impl_->pass(inputs::SetStates{{&id, 1}, {&state, 1}});
 }
 void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) {
   impl_->requireAlive(id);
@@ -173,145 +203,79 @@ void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) 
   const double u = length(d.v);
   s.angularVelocity = u > 0 ? d.v * (2 * std::atan2(u, d.s) / (u * dt)) : Vec3{};
   impl_->engine->apply(SetBodyState{id.index, s});
+  impl_->pass(inputs::SetTarget{id, position, orientation});
 }
 void World::applyForce(BodyId id, const Vec3& force) {
   impl_->requireAlive(id);
   checks::finite(force, "force");
-  impl_->engine->apply(AddForce{id.index, force, {}});
+  impl_->push(id, force, {});
 }
 void World::applyForceAt(BodyId id, const Vec3& force, const Vec3& point) {
   impl_->requireAlive(id);
   checks::finite(force, "force");
   checks::finite(point, "point");
-  impl_->engine->apply(AddForce{id.index, force, cross(point - impl_->bodyState(id).position, force)});
+  impl_->push(id, force, cross(point - impl_->bodyState(id).position, force));
 }
 void World::applyTorque(BodyId id, const Vec3& torque) {
   impl_->requireAlive(id);
   checks::finite(torque, "torque");
-  impl_->engine->apply(AddForce{id.index, {}, torque});
+  impl_->push(id, {}, torque);
+}
+void World::Impl::push(BodyId id, const Vec3& force, const Vec3& torque) {
+  engine->apply(AddForce{id.index, force, torque});
+  pass(inputs::ApplyForces{{&id, 1}, {&force, 1}, {&torque, 1}});
 }
 void World::applyImpulse(BodyId id, const Vec3& impulse) { applyImpulses({&id, 1}, {&impulse, 1}); }
 
-JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB) {
-  validate(joint, "joint");
-  return impl_->addJoint(joint, a, b, frameBodyA, frameBodyB);
-}
-void World::removeJoint(JointId id) { impl_->removeJoint(id); }
-bool World::alive(JointId id) const { return impl_->registry.joints.alive(id); }
-std::vector<JointId> World::joints() const { return impl_->registry.joints.ids(); }
-JointId World::findJoint(const std::string& name) const {
-  const auto it = impl_->registry.jointNames.find(name);
-  if (it == impl_->registry.jointNames.end()) throw Error("joint", "the name of a joint", "\"" + name + "\"");
-  return it->second;
-}
-JointState World::state(JointId id) const {
-  impl_->requireAlive(id);
-  const JointRecord& joint = impl_->registry.joints[id];
-  JointState state = impl_->engine->read().jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
-  state.axes.resize(static_cast<std::size_t>(axisCount(joint.def.type)));
-  if (joint.engine.turned != 0) {
-    const std::vector<JointAxisState> own = state.axes;
-    for (std::size_t i = 0; i < own.size(); ++i)
-      state.axes[i / 3 * 3 + (i + static_cast<std::size_t>(joint.engine.turned)) % 3] = own[i];
-  }
-  return state;
-}
-
-const JointDef& World::definition(JointId id) const {
-  impl_->requireAlive(id);
-  return impl_->registry.joints[id].def;
-}
-std::array<BodyId, 2> World::bodiesOf(JointId id) const {
-  impl_->requireAlive(id);
-  return {impl_->registry.joints[id].a, impl_->registry.joints[id].b};
-}
-std::array<BodyId, 2> World::frameBodiesOf(JointId id) const {
-  impl_->requireAlive(id);
-  return {impl_->registry.joints[id].frameBodyA, impl_->registry.joints[id].frameBodyB};
-}
-void World::setDefinition(JointId id, const JointDef& joint) { impl_->redefine(id, joint); }
-void World::setTargetPosition(JointId id, int axis, double position) {
-  impl_->requireAlive(id);
-  if (definition(id).type == JointType::Spring)
-    throw Error("joint", "setLength for a spring", "setTargetPosition");
-  impl_->editAxis(id, axis, [&](JointAxis& a) { a.targetPosition = position; });
-}
-void World::setTargetSpeed(JointId id, int axis, double speed) {
-  impl_->editAxis(id, axis, [&](JointAxis& a) { a.targetSpeed = speed; });
-}
-void World::setLimits(JointId id, int axis, double min, double max) {
-  impl_->requireAlive(id);
-  const JointType type = definition(id).type;
-  if (hasLength(type) && type != JointType::Spring)
-    throw Error("joint", std::string("setLength for a ") + keyword(type), "setLimits");
-  impl_->editAxis(id, axis, [&](JointAxis& a) { a.min = min, a.max = max; });
-}
-void World::setLength(JointId id, double length) {
-  impl_->requireAlive(id);
-  JointDef def = definition(id);
-  if (!hasLength(def.type)) throw Error("joint", "a distance, rope, spring or pulley", keyword(def.type));
-  def.length = length;
-  impl_->redefine(id, def);
-}
-void World::setDriveOrientation(JointId id, const Quat& orientation) {
-  impl_->requireAlive(id);
-  JointDef def = definition(id);
-  if (def.type != JointType::SwingTwist) throw Error("joint", "a swing-twist joint", keyword(def.type));
-  def.driveOrientation = orientation;
-  impl_->redefine(id, def);
-}
-
-JointId World::addDragJoint(BodyId id, const Vec3& point, double maxForce, double frequency) {
-  impl_->requireAlive(id);
-  checks::positive(frequency, "frequency");
-  checks::finite(point, "point");
-  checks::positiveOrInfinite(maxForce, "maxForce");
-  const BodyState body = state(id);
-  JointDef def;
-  def.type = JointType::Drag;
-  def.anchorA = rotateInverse(body.orientation, point - body.position);
-  def.anchorB = point;
-  const double rate = 2 * std::numbers::pi * frequency;
-  def.stiffness = impl_->registry.bodies[id].mass.mass * rate * rate;
-  def.dampingRatio = 1;
-  def.maxForce = maxForce;
-  return addJoint(def, id, {});
-}
-void World::setDragTarget(JointId id, const Vec3& target) {
-  impl_->requireAlive(id);
-  JointDef def = definition(id);
-  if (def.type != JointType::Drag) throw Error("joint", "a drag joint", keyword(def.type));
-  def.anchorB = target;
-  impl_->redefine(id, def);
-}
-
 Quality World::quality() const {
-  impl_->flush();
-  return impl_->engine->read().quality();
+  return withMemory("quality", [&] {
+    impl_->flush();
+    return impl_->engine->read().quality();
+  });
 }
 
 std::size_t World::memoryBytes() const { return impl_->engine->memoryBytes(); }
 std::uint64_t World::hash() const {
-  impl_->flush();
-  return hashOf(*impl_->engine);
+  return withMemory("hash", [&] {
+    impl_->flush();
+    return hashOf(*impl_->engine);
+  });
 }
 
+std::vector<TableHash> World::tableHashes() const {
+  return withMemory("tableHashes", [&] {
+    impl_->flush();
+    return impl_->engine->tableHashes();
+  });
+}
+
+void World::setInputSink(inputs::Sink sink) { impl_->inputs = std::move(sink); }
+
 Snapshot World::snapshot() const {
-  impl_->flush();
-  return {std::make_shared<Snapshot::Data>(
-      Snapshot::Data{impl_->registry, impl_->params, impl_->doublePrecision, impl_->engine->snapshot()})};
+  Snapshot out = withMemory("snapshot", [&] {
+    impl_->flush();
+    return Snapshot{std::make_shared<Snapshot::Data>(
+        Snapshot::Data{impl_->registry, impl_->params, impl_->doublePrecision, impl_->engine->snapshot()})};
+  });
+  impl_->pass(inputs::TakeSnapshot{out});
+  return out;
 }
 void World::restore(const Snapshot& snapshot) {
   if (!snapshot.data) throw Error("snapshot", "one made by World::snapshot", "an empty one");
   if (snapshot.data->doublePrecision != impl_->doublePrecision)
     throw Error("snapshot", "one of the precision of this backend",
                 snapshot.data->doublePrecision ? "one in double" : "one in float");
-  impl_->registry = snapshot.data->registry;
+  Registry registry = withMemory("restore", [&] {
+    Registry copy = snapshot.data->registry;
+    impl_->engine->restore(*snapshot.data->engine);
+    return copy;
+  });
+  impl_->registry = std::move(registry);
   impl_->params = snapshot.data->params;
-  impl_->engine->restore(*snapshot.data->engine);
   ++impl_->epoch;
   impl_->configure(false);
   impl_->softChanged = false;
+  impl_->pass(inputs::Restore{snapshot});
 }
 
 std::string World::firstDifference() const { return impl_->difference; }

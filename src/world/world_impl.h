@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <new>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -12,10 +14,25 @@
 
 namespace rubble {
 
+/// Reserves `count` more elements. Repeated calls cost no more than push_back.
+template <class T> void reserveMore(std::vector<T>& list, int count = 1) {
+  const std::size_t needed = list.size() + static_cast<std::size_t>(count);
+  if (needed > list.capacity()) list.reserve(std::max(needed, 2 * list.capacity()));
+}
+
 /// Live objects of one kind by slot. A freed slot is reused with the next generation. Copies share their
 /// items until one of them is edited (copy on write), so a snapshot is free.
 template <class Id, class Def> class Slots {
  public:
+  /// Makes room, so that `count` calls of add() or remove(), and any of edit(), need no memory.
+  void prepare(int count = 1) { reserveMore(own(items_), count), reserveMore(own(free_), count); }
+  /// The id that the k-th add() from now on gives.
+  Id next(int k = 0) const {
+    const int reused = static_cast<int>(free_->size()) - 1 - k;
+    if (reused < 0) return {static_cast<std::int32_t>(items_->size()) - reused - 1, 0};
+    const std::int32_t index = (*free_)[static_cast<std::size_t>(reused)];
+    return {index, item(index).generation + 1};
+  }
   Id add(Def def) {
     std::vector<Item>& items = own(items_);
     std::vector<std::int32_t>& free = own(free_);
@@ -118,6 +135,29 @@ struct AttachmentRecord {
   int engineIndex = -1;  ///< -1: not placed yet
 };
 
+/// Calls undo() at the end of its scope, unless keep() was called.
+template <class F> class Undo {
+ public:
+  explicit Undo(F undo) : undo_(std::move(undo)) {}
+  ~Undo() {
+    if (active_) undo_();
+  }
+  Undo(const Undo&) = delete;
+  Undo& operator=(const Undo&) = delete;
+  void keep() { active_ = false; }
+
+ private:
+  F undo_;
+  bool active_ = true;
+};
+
+/// Calls f(). The want of memory becomes an OutOfMemory that names the call.
+template <class F> decltype(auto) withMemory(const char* call, F&& f) try {
+  return f();
+} catch (const std::bad_alloc&) {
+  throw OutOfMemory(call);
+}
+
 /// All data of a world except its engine. A snapshot copies it.
 struct Registry {
   Slots<BodyId, BodyRecord> bodies;
@@ -140,6 +180,8 @@ struct Registry {
   std::vector<int> planes;                   ///< bodies, ascending
   std::vector<Touch> touches;                ///< of the last step with events enabled, sorted
   std::vector<int> sleepers;                 ///< of the same step, slots
+  /// Joints broke in the last step, which had no memory to list them.
+  bool hasUnlistedBreaks = false;
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;
@@ -156,6 +198,8 @@ struct PoseRing {
   std::int64_t begun = 0, taken = 0;
 };
 
+/// An edit first makes everything that needs memory, then gives the engine its edits, which applies all or
+/// none, and then changes the registry, for which there is room. So an edit without memory changes nothing.
 struct World::Impl {
   std::unique_ptr<Engine> engine;
   Registry registry;
@@ -166,20 +210,23 @@ struct World::Impl {
   bool softChanged = false;
   bool sortSoon = false;  ///< the next step sorts the bodies
   bool wantsEvents = false;
+  LogSink log;
+  inputs::Sink inputs;
   std::string difference;  ///< of the reports
   Events events;
+
+  /// Tells the sink of inputs, if there is one, of a call.
+  template <class Call> void pass(Call&& call) {
+    if (inputs) inputs(inputs::Call(std::forward<Call>(call)));
+  }
 
   /// The cooked shape. Geometry that the engine or `fresh` already has is not cooked again.
   std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const Path& path,
                                                std::vector<CookedEntry>& fresh) const;
-  /// Offset of its indices in the tables of the engine. Equal geometry is stored once.
-  int placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked);
-  /// Index into the materials of the engine, or -1 if the material needs no entry.
-  int surfaceOf(const Material& material);
   /// Throws Error for a body that cannot be made, without changing anything.
   ReadyBody ready(const BodyDef& def, const Path& path, std::vector<CookedEntry>& fresh) const;
-  BodyId addBody(const BodyDef& def, const ReadyBody& ready);
-  /// Adds all bodies or, with an Error, none.
+  /// Adds bodies of which each is ready.
+  std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, std::span<const ReadyBody> ready);
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const std::string& list);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB);
   /// Redefines a joint, with the same type.
@@ -197,12 +244,18 @@ struct World::Impl {
   /// Records the joints that broke in this step.
   void findBroken(std::vector<JointId>& broken);
   JointBodies jointBodies(const JointRecord& joint) const;
-  void wakeBodiesOf(const JointRecord& joint);
+  /// Appends the edits that wake a body, or those of a joint.
+  void addWake(std::vector<Edit>& edits, BodyId id);
+  void addWakes(std::vector<Edit>& edits, const JointRecord& joint);
   /// The definition with anchors and frames in the engine frames of its bodies.
   JointDef inEngineFrames(JointDef def, BodyId a, BodyId b) const;
-  void removeBody(BodyId id);
   void removeBodies(std::span<const BodyId> ids);
+  void push(BodyId id, const Vec3& force, const Vec3& torque);
   void removeJoint(JointId id);
+  /// Makes room, so that dropJoint() needs no memory for these joints.
+  void prepareToDrop(std::span<const JointId> ids);
+  /// Removes a joint from the registry.
+  void dropJoint(JointId id);
   void exclude(BodyId a, BodyId b, bool excluded);
   void requireAlive(BodyId id) const;
   /// In the engine frame.
@@ -214,23 +267,20 @@ struct World::Impl {
                              const Path& path);
   void removeSoft(DeformableId id);
   void removeAttachment(AttachmentId id);
-  void removeAttachmentsOf(BodyId id);
   void requireAlive(DeformableId id) const;
   void requireAlive(AttachmentId id) const;
   /// Sends edits of deformable objects, which the engine takes all at once.
   void flush();
-  void wake(BodyId id);
   void collectEvents(const StepReport& report);
-  void collectContacts();
-  void collectBreaks(const std::vector<JointId>& broken);
-  void collectSleeps();
-  /// Whether they never collide: by an exclusion of their own, or by a joint.
-  bool excludes(BodyId a, BodyId b) const;
-  /// Tells the engine whether the two bodies collide.
-  void updateExclusion(BodyId a, BodyId b);
+  std::vector<Touch> collectContacts(Events& to) const;
+  void collectBreaks(Events& to, const std::vector<JointId>& broken) const;
+  std::vector<int> collectSleeps(Events& to) const;
+  /// Whether they never collide by a joint, `without` these joints (ascending).
+  bool jointExcludes(BodyId a, BodyId b, std::span<const JointId> without = {}) const;
+  /// The edit that tells the engine whether the two bodies collide, none if one of them is the world.
+  void addExclusion(std::vector<Edit>& edits, BodyId a, BodyId b, bool excluded) const;
   /// Adds or removes a joint in the records of its bodies.
   void listJoint(JointId id, const JointRecord& joint, bool listed);
-  void setPlanes();
   /// Gives parameters and gravity to the engine. `wakesAll`: they have changed, and act on all bodies.
   void configure(bool wakesAll);
 };

@@ -1,50 +1,8 @@
-/// A steady step allocates nothing. Every `new` of this program is counted.
+/// A steady step allocates nothing.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
+#include "tests/backend/counted_memory.h"
 #include "tests/support/scenes.h"
-
-namespace {
-std::atomic<long> allocations{0};
-
-void* countedOrNull(std::size_t bytes, std::size_t alignment) noexcept {
-  ++allocations;
-  const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-  return std::aligned_alloc(alignment, rounded ? rounded : alignment);
-}
-void* counted(std::size_t bytes, std::size_t alignment) {
-  if (void* p = countedOrNull(bytes, alignment)) return p;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-// Not inlined: a compiler that saw both sides would take free() for a mismatch of the new above it.
-#define RUBBLE_NOINLINE __attribute__((noinline))
-RUBBLE_NOINLINE void* operator new(std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
-RUBBLE_NOINLINE void* operator new[](std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
-RUBBLE_NOINLINE void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
-  return countedOrNull(bytes, alignof(std::max_align_t));
-}
-RUBBLE_NOINLINE void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept {
-  return countedOrNull(bytes, alignof(std::max_align_t));
-}
-RUBBLE_NOINLINE void* operator new(std::size_t bytes, std::align_val_t a) {
-  return counted(bytes, static_cast<std::size_t>(a));
-}
-RUBBLE_NOINLINE void* operator new[](std::size_t bytes, std::align_val_t a) {
-  return counted(bytes, static_cast<std::size_t>(a));
-}
-RUBBLE_NOINLINE void operator delete(void* p) noexcept { std::free(p); }
-RUBBLE_NOINLINE void operator delete[](void* p) noexcept { std::free(p); }
-RUBBLE_NOINLINE void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-RUBBLE_NOINLINE void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
-RUBBLE_NOINLINE void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-RUBBLE_NOINLINE void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
-RUBBLE_NOINLINE void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
-RUBBLE_NOINLINE void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
 namespace rubble {
 namespace {
@@ -58,17 +16,17 @@ long allocationsOfSteadySteps(int threads) {
   World world(test::heap(8), options);
   test::run(world, 300);
   const std::size_t bytes = world.memoryBytes();
-  const long before = allocations;
+  const long before = test::allocations();
   test::run(world, kSteps);
-  const long after = allocations;
+  const long after = test::allocations();
   EXPECT_EQ(world.memoryBytes(), bytes);
   return after - before;
 }
 
 TEST(SteadyStep, CountsAllocations) {
-  const long before = allocations;
+  const long before = test::allocations();
   ::operator delete(::operator new(sizeof(int)));  // a new-expression might be left out by the compiler
-  EXPECT_EQ(allocations, before + 1);
+  EXPECT_EQ(test::allocations(), before + 1);
 }
 
 TEST(SteadyStep, AllocatesNothingOnOneThread) { EXPECT_EQ(allocationsOfSteadySteps(1), 0); }
@@ -78,10 +36,10 @@ TEST(SteadyStep, AllocatesNothingOnThreeThreads) { EXPECT_EQ(allocationsOfSteady
 TEST(SteadyStep, AllocatesForItsReportOnlyWhenTimed) {
   World world(test::heap(8), test::options(4, "cpu", 1));
   test::run(world, 300);
-  const long before = allocations;
+  const long before = test::allocations();
   test::run(world, kSteps);
   // the list of stages: a few growths of one vector
-  EXPECT_LE(allocations - before, 8 * kSteps);
+  EXPECT_LE(test::allocations() - before, 8 * kSteps);
 }
 
 TEST(Capacity, GrowsWithTheWorldAndStaysGrown) {

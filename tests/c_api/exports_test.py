@@ -1,4 +1,5 @@
-"""The shared library exports the functions of the headers and nothing else.
+"""The shared library exports the functions of the headers and nothing else. It leaves the process of its
+host alone.
 
 Arguments: library, folder of the headers."""
 import pathlib
@@ -22,4 +23,12 @@ for name in sorted(declared - exported):
 for name in sorted(exported - declared):
     print(f"exported but not declared: {name}")
 print(f"{len(exported)} functions are exported")
-sys.exit(exported != declared)
+
+# Functions of the C library that act on the whole process, or write to its console.
+PROCESS = re.compile(r"^(signal|sigaction|sigprocmask|setlocale|_?exit|quick_exit|fork|system|popen|chdir|setenv|"
+                     r"putenv|v?printf|v?fprintf|__v?f?printf_chk|puts|putchar|perror|stdout|stderr)$")
+needed = subprocess.run(["nm", "-D", "--undefined-only", library], check=True, capture_output=True, text=True).stdout
+reaching = sorted({name for name in re.findall(r"\b[Uw] ([A-Za-z_]\w*)", needed) if PROCESS.match(name)})
+for name in reaching:
+    print(f"acts on the whole process: {name}")
+sys.exit(exported != declared or bool(reaching))

@@ -115,7 +115,8 @@ TEST(MassProperties, OfRoundedSolidsAreTheLimitOfTheirSurfaces) {
     const double r = random.uniform(.02, .3);
     Shape shape = Shape::cylinder(r + random.uniform(.01, .5), r + random.uniform(.01, .5), r);
     if (k % 3 == 1)
-      shape = Shape::box(Vec3{random.uniform(.01, .5), random.uniform(.01, .5), random.uniform(.01, .5)} + Vec3{r, r, r}, r);
+      shape = Shape::box(
+          Vec3{random.uniform(.01, .5), random.uniform(.01, .5), random.uniform(.01, .5)} + Vec3{r, r, r}, r);
     else if (k % 3 == 2) {
       std::vector<Vec3> points;
       for (int i = 0; i < 5 + random.below(8); ++i) points.push_back(random.vector(.5) + Vec3{.3, .1, .7});

@@ -22,7 +22,7 @@ TEST(Exclusions, AreThoseThatWereAddedAndNotRemoved) {
     const bool excluded = random.below(kEdits) > edit;
     std::vector<int> changed;
     const std::vector<ExcludedPair> before = copyOf(tables.view().exclusion, tables.view().exclusions);
-    setExcluded(tables, a, b, excluded, changed);
+    setExcluded(tables, a, b, excluded, &changed);
     if (excluded)
       wanted.insert(std::minmax(a, b));
     else
@@ -39,8 +39,7 @@ TEST(Exclusions, AreThoseThatWereAddedAndNotRemoved) {
     EXPECT_EQ(tables.excludedPairs, static_cast<int>(wanted.size()));
   }
   while (!wanted.empty()) {
-    std::vector<int> changed;
-    setExcluded(tables, wanted.begin()->first, wanted.begin()->second, false, changed);
+    setExcluded(tables, wanted.begin()->first, wanted.begin()->second, false);
     wanted.erase(wanted.begin());
   }
   EXPECT_EQ(tables.view().exclusions, 0) << "nothing is looked up any more";

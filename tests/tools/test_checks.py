@@ -35,7 +35,7 @@ class CheckTest(unittest.TestCase):
 
 class Help(CheckTest):
     def test_every_check_explains_itself(self):
-        for name in ("layers", "equations", "links", "sizes", "units", "words"):
+        for name in ("abi", "layers", "equations", "links", "sizes", "units", "words"):
             result = self.run_check(name, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Checks that", result.stdout)
@@ -164,6 +164,31 @@ class Words(CheckTest):
     def test_machine_path(self):
         self.plant("docs/a.md", "see /wor" + "k/place\n")
         self.assert_finds("words", "docs/a.md:1")
+
+
+class Abi(CheckTest):
+    HEADER = ("#define RB_API_VERSION {}\ntypedef enum rb_kind {{\n  RB_A = 0,  ///< first\n}} rb_kind;\n"
+              "typedef struct rb_pair {{\n  double a[3];\n  {}\n}} rb_pair;\nRB_API void rb_call({});\n")
+
+    def headers(self, version=1, member="int32_t b;", parameters="int a", more=""):
+        self.plant("include/rubble/c/types.h", self.HEADER.format(version, member, parameters) + more)
+
+    def test_changes_need_a_version(self):
+        self.headers()
+        self.plant("c_api/abi.txt", "version 1\n")
+        self.assert_clean("abi", "--write")
+        self.assert_clean("abi")
+        self.headers(more="RB_API int32_t rb_more(void);\n")
+        self.assert_finds("abi", "added: function int32_t rb_more(void)")
+        self.assert_clean("abi", "--write")
+        for change in ({"member": "int64_t b;"}, {"parameters": "int a, int b"}):
+            self.headers(**change)
+            self.assert_finds("abi", "must be above 1")
+            self.assertEqual(self.run_check("abi", "--write").returncode, 1)
+            self.headers(version=2, **change)
+            self.assert_finds("abi", "is of version 1")
+        self.assert_clean("abi", "--write")
+        self.assert_clean("abi")
 
 
 class Links(CheckTest):

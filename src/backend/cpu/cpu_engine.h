@@ -37,9 +37,7 @@ class CpuEngine final : public ObservableEngine {
     settings_ = settings;
     tables().view().step->gravity = Vec3(settings.gravity);
   }
-  void apply(std::span<const Edit> edits) override {
-    for (const Edit& edit : edits) RUBBLE_CORE::apply(tables(), edit);
-  }
+  void apply(std::span<const Edit> edits) override { RUBBLE_CORE::apply(tables(), edits); }
   void step(StepReport& report) override;
   void sortBodies() override {
     beginStep(tables().view(), settings_, previousDt_);
@@ -58,6 +56,7 @@ class CpuEngine final : public ObservableEngine {
   }
   bool reserve(const std::string& kind, int count) override { return reserveKind(tables(), kind, count); }
   std::size_t memoryBytes() const override { return executor_.tables().bytes(); }
+  std::vector<TableHash> tableHashes() override { return hashTables(tables(), hashOf); }
   std::shared_ptr<const EngineSnapshot> snapshot() override {
     return std::make_shared<SavedState>(saveState(tables(), previousDt_));
   }

@@ -187,26 +187,31 @@ class CpuExecutor {
   /// Adds the time of its own lifetime to a stage.
   class StageClock {
    public:
-    StageClock(CpuExecutor& executor, const char* name, std::string_view kernel)
-        : executor_(executor), name_(name) {
+    StageClock(CpuExecutor& executor, const char* name, std::string_view kernel) : executor_(executor) {
       if (executor.observer_) executor.observer_(name, kernel);
+      if (!executor.timings_) return;
+      // the entry is made here, because a destructor must not run out of memory
+      std::vector<StageTime>& times = executor.times_;
+      const auto found = std::ranges::find(times, name, &StageTime::name);
+      entry_ = static_cast<std::size_t>(found - times.begin());
+      try {
+        if (found == times.end()) times.push_back({name, 0});
+      } catch (const std::bad_alloc&) {
+        entry_ = kUntimed;  // a step does not fail for the want of its times
+      }
       begin_ = Clock::now();
     }
     ~StageClock() {
-      if (!executor_.timings_) return;
-      const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begin_).count();
-      for (StageTime& t : executor_.times_)
-        if (t.name == name_) {
-          t.ms += ms;
-          return;
-        }
-      executor_.times_.push_back({name_, ms});
+      if (entry_ != kUntimed)
+        executor_.times_[entry_].ms += std::chrono::duration<double, std::milli>(Clock::now() - begin_)
+                                           .count();
     }
 
    private:
     using Clock = std::chrono::steady_clock;
     CpuExecutor& executor_;
-    const char* name_;
+    static constexpr std::size_t kUntimed = static_cast<std::size_t>(-1);
+    std::size_t entry_ = kUntimed;
     Clock::time_point begin_;
   };
 

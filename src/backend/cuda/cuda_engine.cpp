@@ -72,6 +72,10 @@ class CudaEngine final : public ObservableEngine, private PoseCopies {
   const HostTables& tablesNow() override;
   /// Device memory.
   std::size_t memoryBytes() const override { return stepper_.bytes(); }
+  std::vector<TableHash> tableHashes() override {
+    mirror_.fetchAll();
+    return hashTables(host(), hashOf);
+  }
   /// With vertices through the host: device snapshots contain only bodies and joints.
   std::shared_ptr<const EngineSnapshot> snapshot() override;
   void restore(const EngineSnapshot& snapshot) override;
@@ -96,7 +100,7 @@ class CudaEngine final : public ObservableEngine, private PoseCopies {
     mirror_.forceWritten(slotOf(host(), e.id));
   }
   void write(const AddVelocity& e) { mirror_.addVelocity(slotOf(host(), e.id), e.change); }
-  void write(const ForgetContacts& e) { mirror_.forgetContacts(slotsOf(host(), e.ids)); }
+  void write(const ForgetContacts& e) { mirror_.forgetContacts(e.ids); }
   void write(const AddShape& e) {
     RUBBLE_CORE::apply(host(), e);
     mirror_.shapesAppended();
@@ -114,7 +118,9 @@ class CudaEngine final : public ObservableEngine, private PoseCopies {
     const int type = static_cast<int>(e.joint.type);
     e.keepsState ? mirror_.specWritten(type, e.slot) : mirror_.jointWritten(type, e.slot);
   }
-  void write(const SetExcluded& e) { setExcluded(host(), e.a, e.b, e.excluded, mirror_.exclusionsWritten()); }
+  void write(const SetExcluded& e) {
+    setExcluded(host(), e.a, e.b, e.excluded, &mirror_.exclusionsWritten());
+  }
   /// Rewrites the lists of all objects: everything is fetched, edited and uploaded.
   void write(const SetDeformables& e) {
     mirror_.fetchAll();

@@ -73,10 +73,10 @@ void Mirror::allWritten() {
   statesOld_ = verticesOld_ = restOld_ = forcesOnDevice_ = false;
 }
 
-void Mirror::forgetContacts(std::span<const int> slots) {
-  if (allDirty_) return RUBBLE_CORE::forgetContacts(host_, slots);
+void Mirror::forgetContacts(std::span<const int> ids) {
+  if (allDirty_) return RUBBLE_CORE::forgetContacts(host_, ids);
   // the manifolds may exist on the device only
-  forgotten_.insert(forgotten_.end(), slots.begin(), slots.end());
+  for (const int id : ids) forgotten_.push_back(slotOf(host_, id));
   restOld_ = true;
 }
 

@@ -51,7 +51,7 @@ class Mirror {
     return exclusions_;
   }
   void allWritten();  ///< after loading: the content of the device is obsolete
-  void forgetContacts(std::span<const int> slots);
+  void forgetContacts(std::span<const int> ids);
   /// The device has sorted its bodies.
   void bodiesSorted();
 

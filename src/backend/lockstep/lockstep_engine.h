@@ -60,6 +60,7 @@ class LockstepEngine final : public Engine {
     return b_.engine->reserve(kind, count) && a_.engine->reserve(kind, count);
   }
   std::size_t memoryBytes() const override { return a_.engine->memoryBytes() + b_.engine->memoryBytes(); }
+  std::vector<TableHash> tableHashes() override { return a_.engine->tableHashes(); }
   std::shared_ptr<const EngineSnapshot> snapshot() override { return a_.engine->snapshot(); }
   void restore(const EngineSnapshot& snapshot) override {
     both([&](Engine& e) { e.restore(snapshot); });

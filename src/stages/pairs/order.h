@@ -245,7 +245,15 @@ template <class E> void sortBodies(E& e, int pairs) {
   const NewPlaces places{orderOnCurve(e), e.template room<int>(bodies)};
   e.forEach(InvertPlaces{places}, bodies);
 
+  // all memory first: from here on nothing fails
   int* const from = e.template room<int>(pairs);
+  std::size_t most = 0;
+  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+    if (followsBodies(array)) most = std::max(most, sizeof(T));
+  });
+  struct alignas(64) Line {};
+  void* const aside = e.template room<Line>(
+      static_cast<int>(most * static_cast<std::size_t>(bodies) / sizeof(Line)) + 1);
   e.forEach(FindGridLevels{}, bodies);
   e.clear(&SolverData::pairCount, bodies);
   e.forEach(CountMovedPairs{places}, pairs);
@@ -264,13 +272,6 @@ template <class E> void sortBodies(E& e, int pairs) {
   e.aliasRows();
   e.swapManifolds();
 
-  std::size_t most = 0;
-  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (followsBodies(array)) most = std::max(most, sizeof(T));
-  });
-  struct alignas(64) Line {};
-  void* const aside = e.template room<Line>(
-      static_cast<int>(most * static_cast<std::size_t>(bodies) / sizeof(Line)) + 1);
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (!followsBodies(array)) return;
     T *const moved = static_cast<T*>(aside), *const elements = e.view().*array.member;

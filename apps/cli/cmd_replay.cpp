@@ -1,0 +1,47 @@
+#include <fmt/format.h>
+
+#include <rubble/info.h>
+
+#include "apps/cli/command.h"
+#include "io/input_log.h"
+
+namespace rubble::cli {
+namespace {
+
+struct ReplayOptions {
+  std::string file, backend;
+  int threads = 0;
+  bool check = false;
+};
+
+int run(const ReplayOptions& options) {
+  const io::Replay replay = io::replayInputs(options.file, options.backend, options.threads);
+  const BuildInfo build = buildInfo();
+  fmt::print("recorded by {}\nreplayed by {}, {}, {}\n", replay.recordedBy, build.version, build.commit,
+             build.compiler);
+  if (!replay.difference) {
+    fmt::print("{} steps, the same bits, hash {:016x}\n", replay.steps, replay.hash);
+    return kHolds;
+  }
+  const auto& [step, table] = *replay.difference;
+  fmt::print("first difference: {}, table {}\n",
+             step == 0 ? std::string("before the first step") : fmt::format("after step {}", step), table);
+  return options.check ? kDoesNotHold : kHolds;
+}
+
+}  // namespace
+
+void addReplay(CLI::App& app, int& status) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = app.add_subcommand(
+      "replay",
+      "Repeat the calls of 'rubble run --record-inputs', and find the first step and table that differ");
+  command->add_option("file", options->file, "A log of inputs")->required();
+  command->add_option("--backend", options->backend, "Another backend than the recorded one");
+  command->add_option("--threads", options->threads, "Threads of the cpu backend; 0: one per core")
+      ->check(CLI::Range(0, 1024));
+  command->add_flag("--check", options->check, "Exit with 1 if anything differs");
+  command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace rubble::cli

@@ -1,0 +1,80 @@
+#include "tests/backend/counted_memory.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+namespace {
+
+std::atomic<long> count{0};
+constexpr long kNever = std::numeric_limits<long>::max();
+thread_local long failsAfter = kNever;
+thread_local bool lasts = false, failed = false;
+
+/// Counts an allocation. Does it fail?
+bool fails() noexcept {
+  ++count;
+  if (failsAfter == kNever) return false;
+  if (failsAfter > 0) return --failsAfter, false;
+  if (!lasts) failsAfter = kNever;
+  failed = true;
+  return true;
+}
+
+void* countedOrNull(std::size_t bytes, std::size_t alignment) noexcept {
+  if (fails()) return nullptr;
+  const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
+  return std::aligned_alloc(alignment, rounded ? rounded : alignment);
+}
+void* counted(std::size_t bytes, std::size_t alignment) {
+  if (void* p = countedOrNull(bytes, alignment)) return p;
+  throw std::bad_alloc();
+}
+}  // namespace
+
+// Not inlined: a compiler that saw both sides would take free() for a mismatch of the new above it.
+#define RUBBLE_NOINLINE __attribute__((noinline))
+RUBBLE_NOINLINE void* operator new(std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
+RUBBLE_NOINLINE void* operator new[](std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
+RUBBLE_NOINLINE void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  return countedOrNull(bytes, alignof(std::max_align_t));
+}
+RUBBLE_NOINLINE void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept {
+  return countedOrNull(bytes, alignof(std::max_align_t));
+}
+RUBBLE_NOINLINE void* operator new(std::size_t bytes, std::align_val_t a) {
+  return counted(bytes, static_cast<std::size_t>(a));
+}
+RUBBLE_NOINLINE void* operator new[](std::size_t bytes, std::align_val_t a) {
+  return counted(bytes, static_cast<std::size_t>(a));
+}
+RUBBLE_NOINLINE void operator delete(void* p) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete[](void* p) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+// Tables come from calloc.
+extern "C" void* __libc_calloc(std::size_t, std::size_t);
+extern "C" void* calloc(std::size_t number, std::size_t size) noexcept {
+  return fails() ? nullptr : __libc_calloc(number, size);
+}
+#endif
+
+namespace rubble::test {
+
+long allocations() { return count; }
+
+FailingMemory::FailingMemory(long first, bool lasting) {
+  failsAfter = first, lasts = lasting, failed = false;
+}
+FailingMemory::~FailingMemory() { failsAfter = kNever; }
+bool FailingMemory::hasFailed() const { return failed; }
+
+}  // namespace rubble::test

@@ -1,0 +1,20 @@
+#pragma once
+/// Every `new` of the program, and every calloc (of tables), is counted, and can be made to fail.
+namespace rubble::test {
+
+/// Allocations of all threads so far.
+long allocations();
+
+/// While it lives, allocations of this thread fail: the `first`-th from now on (from 0), and with `lasting`
+/// all after it.
+class FailingMemory {
+ public:
+  FailingMemory(long first, bool lasting);
+  ~FailingMemory();
+  FailingMemory(const FailingMemory&) = delete;
+  FailingMemory& operator=(const FailingMemory&) = delete;
+  /// Has any failed?
+  bool hasFailed() const;
+};
+
+}  // namespace rubble::test

@@ -1,0 +1,175 @@
+/// A log of inputs replays to the same bits, and shows where something differs.
+#include <gtest/gtest.h>
+
+#include "io/input_log.h"
+#include "tests/support/files.h"
+#include "tests/support/scenes.h"
+
+namespace rubble::io {
+namespace {
+
+Scene sceneOfAll() {
+  Scene scene = test::heap(2);
+  scene.bodies[3].name = "named";
+  scene.deformables.emplace_back(clothSheet({5, 0, 1}, {1, 0, 0}, {0, 1, 0}, 2, 2));
+  return scene;
+}
+
+/// Every call that changes a world, with steps between.
+void changeInEveryWay(World& world) {
+  const DeformableId cloth = world.deformableAt(0);
+  const std::vector<BodyId> ids = world.bodies();
+  const auto step = [&] { test::run(world, 2); };
+  step();
+  BodyDef pusher = test::body(Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}), {-2, 1. / 3, 1});
+  pusher.motion = Motion::Kinematic;
+  const BodyId kinematic = world.addBody(pusher);
+  world.setTarget(kinematic, {-1.9, .3, 1}, fromAxisAngle({0, 0, 1}, .1));
+  step();
+  const Snapshot snapshot = world.snapshot();
+  world.removeBodies(std::vector<BodyId>{ids[5], ids[9]});
+  world.setCollide(ids[1], ids[2], false);
+  world.setState(ids[4], {{0, 0, 7}, normalize(Quat{1, {.1, .2, .3}}), {1, 0, 0}, {0, 1. / 7, 0}});
+  world.applyForceAt(ids[6], {0, 0, 9}, {.1, 0, 0});
+  world.applyImpulse(ids[7], {1, 2, 3});
+  world.wake(ids[7]);
+  world.sortBodies();
+  step();
+  JointDef hinge = test::ball(0, {.5, 0, 0}, 0, {-.5, 0, 0});
+  hinge.type = JointType::Hinge;
+  hinge.frameA = normalize(Quat{1, {.2, 0, .1}});
+  hinge.axes[0].min = -1. / 3;
+  const JointId joint = world.addJoint(hinge, ids[6], ids[7]);
+  const JointId drag = world.addDragJoint(ids[8], {0, 0, 1}, 50);
+  step();
+  world.setLimits(joint, 0, -.2, .7);
+  world.setDragTarget(drag, {1, 1, 2});
+  world.removeJoint(world.joints().front());
+  const DeformableId cable = world.addDeformable(straightCable({6, 0, 2}, {7, 0, 2}, 4));
+  AttachmentDef tie;
+  tie.vertices = {0};
+  const AttachmentId attachment = world.addAttachment(tie, cable, ids[8]);
+  world.addAttachment(tie, cloth, {});
+  world.applyVertexForce(cloth, 3, {0, 0, 1});
+  step();
+  world.removeAttachment(attachment);
+  std::vector<Vec3> places = world.positions(cloth);
+  for (Vec3& place : places) place.z += .1;
+  world.setVertices(cloth, places, places);
+  world.setGravity({0, .1, -9});
+  Params params = world.params();
+  params.iterations = 5;
+  world.setParams(params);
+  const std::int32_t row[] = {4};
+  const float velocity[] = {.1f, .2f, .3f};
+  ArrayView rows, values;
+  rows.data = row, rows.shape[0] = rows.shape[1] = 1, rows.strides[0] = rows.strides[1] = 4,
+  rows.typestr = "<i4";
+  values.data = velocity, values.shape[0] = 1, values.shape[1] = 3;
+  values.strides[0] = 12, values.strides[1] = 4, values.typestr = "<f4";
+  world.scatter(StateArray::Velocity, rows, values);
+  step();
+  world.removeDeformable(cable);
+  step();
+  world.restore(snapshot);
+  step();
+}
+
+/// The lines of a log of all of it.
+std::vector<std::string> logged(const std::string& file, std::uint64_t& hash) {
+  const Scene scene = sceneOfAll();
+  const WorldOptions options = test::options(4);
+  World world(scene, options);
+  InputLog log(file, scene, options, world);
+  changeInEveryWay(world);
+  log.finish();
+  hash = world.hash();
+  world.step();  // is not logged any more
+  std::vector<std::string> lines;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+Replay replayOf(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  const test::TemporaryFile file(".inputs", text);
+  return replayInputs(file.path);
+}
+
+TEST(InputLog, ReplaysEveryCallToTheSameBits) {
+  const test::TemporaryFile file(".inputs");
+  std::uint64_t hash = 0;
+  std::set<std::string> calls;
+  for (const std::string& line : logged(file.path, hash)) {
+    const auto json = nlohmann::json::parse(line);
+    if (json.contains("call")) calls.insert(json["call"]);
+  }
+  EXPECT_EQ(calls.size(), std::variant_size_v<inputs::Call>);
+  const Replay replay = replayInputs(file.path);
+  EXPECT_FALSE(replay.difference) << replay.difference->table << " after " << replay.difference->step;
+  EXPECT_EQ(replay.steps, 16);
+  EXPECT_EQ(replay.hash, hash);
+}
+
+TEST(InputLog, ShowsTheFirstStepAndTableThatDiffer) {
+  const test::TemporaryFile file(".inputs");
+  std::uint64_t hash = 0;
+  std::vector<std::string> lines = logged(file.path, hash);
+  const auto replace = [&](const std::string& call, const std::string& from, const std::string& to) {
+    std::vector<std::string> changed = lines;
+    for (std::string& line : changed)
+      if (line.find("\"" + call + "\"") != std::string::npos)
+        if (const auto at = line.find(from); at != std::string::npos) {
+          line.replace(at, from.size(), to);
+          return changed;
+        }
+    ADD_FAILURE() << "no " << from << " in " << call;
+    return changed;
+  };
+  // an impulse of the fifth step
+  const Replay pushed = replayOf(replace("apply_impulses", "[1.0,2.0,3.0]", "[1.0,2.0,3.1]"));
+  ASSERT_TRUE(pushed.difference);
+  EXPECT_EQ(pushed.difference->step, 5);
+  EXPECT_EQ(pushed.difference->table, "position");
+  // a scene that is another from the start
+  std::vector<std::string> heavier = lines;
+  const auto at = heavier[0].find("\"radius\":0.3");
+  ASSERT_NE(at, std::string::npos);
+  heavier[0].replace(at, 12, "\"radius\":0.31");
+  const Replay other = replayOf(heavier);
+  ASSERT_TRUE(other.difference);
+  EXPECT_EQ(other.difference->step, 0);
+  EXPECT_EQ(other.difference->table, "authored params");
+}
+
+TEST(InputLog, ThatIsDamagedIsAnErrorWithItsLine) {
+  const test::TemporaryFile file(".inputs");
+  std::uint64_t hash = 0;
+  const std::vector<std::string> lines = logged(file.path, hash);
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    std::vector<std::string> damaged(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(k) + 1);
+    damaged.back() = damaged.back().substr(0, damaged.back().size() / 2);
+    try {
+      replayOf(damaged);
+      ADD_FAILURE() << k;
+    } catch (const Error& error) {
+      EXPECT_TRUE(error.path().ends_with("line " + std::to_string(k + 1))) << error.what();
+    }
+  }
+  EXPECT_THROW(replayOf({"{\"format\":\"another\"}"}), Error);
+  EXPECT_THROW(replayInputs("no such file"), Error);
+}
+
+TEST(InputLog, ThatIsNotFinishedLeavesNoFile) {
+  const test::TemporaryFolder folder;
+  const Scene scene = test::tower(1);
+  World world(scene, test::options());
+  { const InputLog log((folder.path / "log").string(), scene, test::options(), world); }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
+  EXPECT_NO_THROW(world.step());
+}
+
+}  // namespace
+}  // namespace rubble::io

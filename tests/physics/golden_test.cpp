@@ -1,0 +1,45 @@
+/// Recorded hashes of scenes on the CPU (tests/golden.txt): the same for every compiler, instruction set and
+/// number of threads. They change with the method only. If this test fails while all others pass, check
+/// whether the change was intended, and put the row of the message into the table.
+#include <gtest/gtest.h>
+
+#include "scenes/registry.h"
+#include "tests/support/golden.h"
+
+namespace rubble {
+namespace {
+
+constexpr int kFewSteps = 30, kManySteps = 300;
+
+void expectRecorded(const test::Golden& golden) {
+  const scenes::Spec& spec = scenes::find(golden.scene);
+  scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, spec.testArguments));
+  job.probes.clear();
+  WorldOptions options;
+  options.timings = false;
+  options.params.iterations = job.iterations, options.params.substeps = job.substeps;
+  scenes::Runner runner(std::move(job), options);
+  for (int step = 0; step < golden.steps; ++step) {
+    if (golden.sorts && step == golden.steps / 2) runner.world().sortBodies();
+    runner.step();
+  }
+  EXPECT_EQ(runner.world().hash(), golden.hash) << test::rowOf(golden, runner.world().hash());
+}
+
+class Golden : public testing::TestWithParam<test::Golden> {};
+class LongGolden : public testing::TestWithParam<test::Golden> {};
+
+TEST_P(Golden, HashIsTheRecordedOne) { expectRecorded(GetParam()); }
+TEST_P(LongGolden, HashIsTheRecordedOne) { expectRecorded(GetParam()); }
+
+constexpr auto kName = [](const auto& info) { return info.param.name(); };
+INSTANTIATE_TEST_SUITE_P(Scenes, Golden, testing::ValuesIn(test::goldens("cpu", kFewSteps)), kName);
+INSTANTIATE_TEST_SUITE_P(LongScenes, LongGolden, testing::ValuesIn(test::goldens("cpu", kManySteps)), kName);
+
+TEST(GoldenTable, HasFortyScenesAfterFewStepsAndMany) {
+  EXPECT_GE(test::goldens("cpu", kFewSteps).size(), 40u);
+  EXPECT_GE(test::goldens("cpu", kManySteps).size(), 40u);
+}
+
+}  // namespace
+}  // namespace rubble
