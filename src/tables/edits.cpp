@@ -32,6 +32,8 @@ struct Apply {
   void operator()(const SetBody& e) const {
     setBodyCount(tables, e.id + 1);
     setBody(tables, slot(e.id), e.body);
+    if (e.number < 0) return;
+    tables.view().idOf[slot(e.id)] = e.number, tables.view().worldOfBody[slot(e.id)] = e.world;
   }
   void operator()(const SetBodyState& e) const { setBodyState(tables, slot(e.id), e.state); }
   void operator()(const AddForce& e) const {
@@ -42,7 +44,7 @@ struct Apply {
   void operator()(const ForgetContacts& e) const { forgetContacts(tables, slotsOf(tables, e.ids)); }
   void operator()(const AddShape& e) const { addShape(tables, *e.shape, e.partSurfaces); }
   void operator()(const SetSurfaces& e) const { setSurfaces(tables, e.surfaces); }
-  void operator()(const SetPlanes& e) const { setPlanes(tables, slotsOf(tables, e.ids)); }
+  void operator()(const SetPlanes& e) const { setPlanes(tables, slotsOf(tables, e.ids), e.firstOfWorld); }
   void operator()(const SetJoint& e) const {
     const int type = static_cast<int>(e.joint.type);
     if (e.slot >= tables.jointIds[type]) setJointCount(tables, type, e.slot + 1);
@@ -50,7 +52,7 @@ struct Apply {
   }
   void operator()(const SetExcluded& e) const {
     std::vector<int> changed;
-    setExcluded(tables, e.a, e.b, e.excluded, changed);
+    setExcluded(tables, e.a, e.b, e.excluded, changed, e.world);
   }
   void operator()(const SetDeformables& e) const {
     setSoft(tables, e.objects, inSlots(tables, e.attachments));

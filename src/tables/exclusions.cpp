@@ -66,9 +66,9 @@ void loadExclusions(HostTables& tables, const std::vector<ExcludedPair>& pairs) 
   rebuild(tables, pairs, sizeFor(tables.excludedPairs), changed);
 }
 
-void setExcluded(HostTables& tables, int a, int b, bool excluded, std::vector<int>& changed) {
+void setExcluded(HostTables& tables, int a, int b, bool excluded, std::vector<int>& changed, int world) {
   SolverData& s = tables.view();
-  const ExcludedPair pair{std::min(a, b), std::max(a, b)};
+  const ExcludedPair pair{std::min(a, b), std::max(a, b), world};
   if (excluded == isExcluded(s, pair)) return;
   tables.excludedPairs += excluded ? 1 : -1;
   if (const int size = sizeFor(tables.excludedPairs); size > s.exclusions || size == 0) {

@@ -7,7 +7,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Adds or removes a pair of ids. `changed` receives the written elements, or every element after growth.
-void setExcluded(HostTables& tables, int a, int b, bool excluded, std::vector<int>& changed);
+void setExcluded(HostTables& tables, int a, int b, bool excluded, std::vector<int>& changed, int world = 0);
 /// Makes these the only pairs.
 void loadExclusions(HostTables& tables, const std::vector<ExcludedPair>& pairs);
 /// All pairs (low, high), sorted.

@@ -68,7 +68,8 @@ QueryBatch::QueryBatch(const HostTables& tables, std::span<const EngineQuery> qu
                                          q.layers,
                                          q.mask,
                                          q.sensors,
-                                         slotOf(tables, q.ignore)};
+                                         slotOf(tables, q.ignore),
+                                         q.world};
   });
 }
 

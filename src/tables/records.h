@@ -65,11 +65,35 @@ struct EngineQuery {
   std::uint32_t layers = 0, mask = 0;
   bool sensors = false;
   int ignore = -1;
+  int world = 0;  ///< of a batch
 };
 struct EngineHit {
   int body;         ///< -1: none
   double fraction;  ///< cast: fraction of the displacement; closest point: distance [m]
   Vec3 position, normal;
+};
+
+/// What a world of a batch has of its own.
+struct WorldSettings {
+  Vec3 gravity;
+  bool wakeAll = false;   ///< wakes all bodies in its next step
+  double previousDt = 0;  ///< of its last step, 0 before the first [s]
+};
+
+/// The indices of a shape, in the numbers of a world and in the tables.
+struct WorldShape {
+  int base, baseInTables, size;
+};
+
+/// The elements of a world of a batch, in the order of their numbers in it.
+struct WorldLayout {
+  std::vector<int> bodies;  ///< ids in the tables
+  SoftRange first;          ///< of its deformable objects in the tables
+  SoftRange count;          ///< their vertices, elements, edges and faces
+  int firstAttachment = 0, attachments = 0;
+  std::vector<std::vector<int>> joints;  ///< slots by type
+  std::vector<WorldShape> shapes;        ///< ascending in `base`
+  std::vector<int> surfaces;             ///< indices of its materials in the tables
 };
 
 struct EngineSettings {

@@ -49,6 +49,7 @@ void clearBodySlots(HostTables& tables, int begin) {
   SolverData& s = tables.view();
   for (int i = begin; i < s.bodies; ++i) {
     s.idOf[i] = s.placeOf[i] = i;
+    s.worldOfBody[i] = 0;
     s.params[i] = {};
     s.nodeOfBody[i] = -1;
     s.extras[i] = {};
@@ -177,7 +178,7 @@ void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change) {
 
 bool inOtherOrder(const SolverData& s) {
   for (int i = 0; i < s.bodies; ++i)
-    if (s.idOf[i] != i) return true;
+    if (s.placeOf[i] != i) return true;
   return false;
 }
 
@@ -186,10 +187,11 @@ void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, co
   for (int k = 0; k < static_cast<int>(rows.shape[0]); ++k) scatter(tables.view(), k);
 }
 
-void setPlanes(HostTables& tables, const std::vector<int>& slots) {
+void setPlanes(HostTables& tables, const std::vector<int>& slots, const std::vector<int>& firstOfWorld) {
   tables.reserve(Per::Plane, static_cast<int>(slots.size()));
   std::ranges::copy(slots, &tables.view().planeBody[0]);
   tables.view().planes = static_cast<int>(slots.size());
+  std::ranges::copy(firstOfWorld, &tables.view().firstPlane[0]);
 }
 
 }  // namespace rubble::RUBBLE_CORE

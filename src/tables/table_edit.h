@@ -26,7 +26,8 @@ void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
 /// Clears the contacts of bodies.
 void forgetContacts(HostTables& tables, std::span<const int> slots);
-void setPlanes(HostTables& tables, const std::vector<int>& slots);
+/// `firstOfWorld`: of a batch.
+void setPlanes(HostTables& tables, const std::vector<int>& slots, const std::vector<int>& firstOfWorld = {});
 void setJointCount(HostTables& tables, int type, int ids);
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
 void editJoint(HostTables& tables, int slot, const EngineJoint& joint);

@@ -14,20 +14,20 @@ bool isPlain(const Material& m) {
          m.rollingFriction == 0 && m.torsionalFriction == 0 && m.surfaceVelocity == Vec3{};
 }
 
-bool same(const Material& a, const Material& b) {
+}  // namespace
+
+bool sameMaterial(const Material& a, const Material& b) {
   return a.staticFriction == b.staticFriction && a.dynamicFriction == b.dynamicFriction &&
          a.restitution == b.restitution && a.frictionCombine == b.frictionCombine &&
          a.restitutionCombine == b.restitutionCombine && a.rollingFriction == b.rollingFriction &&
          a.torsionalFriction == b.torsionalFriction && a.surfaceVelocity == b.surfaceVelocity;
 }
 
-}  // namespace
-
 int World::Impl::surfaceOf(const Material& material) {
   if (isPlain(material)) return -1;
   std::vector<Material>& all = registry.surfaces;
   const auto found = std::find_if(all.begin(), all.end(),
-                                  [&](const Material& m) { return same(m, material); });
+                                  [&](const Material& m) { return sameMaterial(m, material); });
   if (found != all.end()) return static_cast<int>(found - all.begin());
   all.push_back(material);
   engine->apply(SetSurfaces{all});
@@ -47,7 +47,10 @@ std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, co
   for (const std::span<const CookedEntry> entries :
        {std::span(registry.shapes), std::span<const CookedEntry>(fresh)})
     if (const CookedEntry* entry = findCooked(entries, shape)) return entry->cooked;
+  if (cooked)
+    if (const CookedEntry* entry = findCooked(*cooked, shape)) return entry->cooked;
   fresh.push_back({shape, std::make_shared<const CookedShape>(cook(shape, path)), 0});
+  if (cooked) cooked->push_back(fresh.back());
   return fresh.back().cooked;
 }
 

@@ -11,8 +11,6 @@
 
 namespace rubble {
 
-namespace {
-
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings);
   if (options.backend == "reference") return f64::makeCpuEngine(options.threads, options.timings);
@@ -30,7 +28,12 @@ std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   throw Error("backend", "one of " + names, "\"" + options.backend + "\"");
 }
 
-}  // namespace
+void validate(const WorldOptions& options) {
+  validate(options.params);
+  if (options.threads < 0 || options.threads > kMostThreads)
+    throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
+                std::to_string(options.threads));
+}
 
 std::vector<std::string> backends() {
   std::vector<std::string> names = {"cpu", "reference", "lockstep"};
@@ -46,36 +49,37 @@ double StepReport::stageMs(const std::string& name) const {
 
 World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_unique<Impl>()) {
   validate(scene);
-  validate(options.params);
-  if (options.threads < 0 || options.threads > kMostThreads)
-    throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
-                std::to_string(options.threads));
+  validate(options);
   impl_->params = options.params;
   impl_->engine = makeEngine(options);
   impl_->doublePrecision = options.backend == "reference";
   impl_->wantsEvents = options.events;
-  Registry& r = impl_->registry;
+  impl_->build(scene);
+}
+
+void World::Impl::build(const Scene& scene) {
+  Registry& r = registry;
   r.gravity = scene.gravity;
-  impl_->configure(false);
-  r.sceneBodies = impl_->addBodies(scene.bodies, "bodies");
+  configure(false);
+  r.sceneBodies = addBodies(scene.bodies, "bodies");
   const auto idOf = [&](int body) {
     return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)];
   };
   for (const JointDef& joint : scene.joints)
-    impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.frameBodyA),
-                    idOf(joint.frameBodyB));
-  for (const auto& [a, b] : scene.exclusions) impl_->exclude(idOf(a), idOf(b), true);
+    addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.frameBodyA), idOf(joint.frameBodyB));
+  for (const auto& [a, b] : scene.exclusions) exclude(idOf(a), idOf(b), true);
   for (std::size_t i = 0; i < scene.deformables.size(); ++i)
-    r.sceneSofts.push_back(impl_->addSoft(scene.deformables[i], Path("deformables")[i]));
+    r.sceneSofts.push_back(addSoft(scene.deformables[i], Path("deformables")[i]));
   const auto softOf = [&](int object) {
     return object < 0 ? DeformableId{} : r.sceneSofts[static_cast<std::size_t>(object)];
   };
   for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
     const AttachmentDef& a = scene.attachments[i];
-    impl_->addAttachment(a, softOf(a.object), idOf(a.body), softOf(a.otherObject), Path("attachments")[i]);
+    addAttachment(a, softOf(a.object), idOf(a.body), softOf(a.otherObject), Path("attachments")[i]);
   }
 }
 
+World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
@@ -91,14 +95,18 @@ StepReport World::step() try {
   if (report.sorted) impl_->engine->sortBodies(), ++impl_->epoch;
   impl_->engine->step(report);
   impl_->difference = report.difference;
-  if (report.brokenJoints > 0) impl_->findBroken(report.broken);
-  impl_->collectEvents(report);
-  ++impl_->registry.step;
-  impl_->registry.time += impl_->params.dt;
+  impl_->finishStep(report);
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   return report;
 } catch (const std::bad_alloc&) {
   throw Error("step", "memory for the tables that it needs", "none left");
+}
+
+void World::Impl::finishStep(StepReport& report) {
+  if (report.brokenJoints > 0) findBroken(report.broken);
+  collectEvents(report);
+  ++registry.step;
+  registry.time += params.dt;
 }
 
 void World::sortBodies() { impl_->sortSoon = true; }
@@ -106,8 +114,13 @@ void World::sortBodies() { impl_->sortSoon = true; }
 const Params& World::params() const { return impl_->params; }
 void World::setParams(const Params& params) {
   validate(params);
-  impl_->params = params;
-  impl_->configure(true);
+  const Params before = std::exchange(impl_->params, params);
+  try {
+    impl_->configure(true);
+  } catch (...) {
+    impl_->params = before;
+    throw;
+  }
 }
 Vec3 World::gravity() const { return impl_->registry.gravity; }
 void World::setGravity(const Vec3& gravity) {
@@ -306,12 +319,16 @@ void World::restore(const Snapshot& snapshot) {
   if (snapshot.data->doublePrecision != impl_->doublePrecision)
     throw Error("snapshot", "one of the precision of this backend",
                 snapshot.data->doublePrecision ? "one in double" : "one in float");
-  impl_->registry = snapshot.data->registry;
-  impl_->params = snapshot.data->params;
   impl_->engine->restore(*snapshot.data->engine);
-  ++impl_->epoch;
-  impl_->configure(false);
-  impl_->softChanged = false;
+  impl_->restoreRecords(*snapshot.data);
+}
+
+void World::Impl::restoreRecords(const Snapshot::Data& data) {
+  registry = data.registry;
+  if (!inBatch) params = data.params;
+  ++epoch;
+  configure(false);
+  softChanged = false;
 }
 
 std::string World::firstDifference() const { return impl_->difference; }

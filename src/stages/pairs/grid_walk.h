@@ -5,12 +5,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// visit(body) for every body whose box may touch a box of half extents `half` that moves from `x` by `limit`
-/// times `d`. The visitor may lower the limit as it finds hits. Each body is visited once. Cells are visited
-/// slab by slab along the main direction, so near bodies come first at each level. Several lanes may share
-/// the bodies, each with its own limit: lane `lane` of `lanes` visits every `lanes`-th slab.
+/// visit(body) for every body of a world whose box may touch a box of half extents `half` that moves from `x`
+/// by `limit` times `d`. The visitor may lower the limit as it finds hits. Each body is visited once. Cells
+/// are visited slab by slab along the main direction, so near bodies come first at each level. Several lanes
+/// may share the bodies, each with its own limit: lane `lane` of `lanes` visits every `lanes`-th slab.
 template <class Visit>
-RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, const Vec3d& half,
+RUBBLE_HD void visitAlong(const SolverData& s, int world, const Vec3d& x, const Vec3d& d, const Vec3d& half,
                           double& limit, Visit&& visit, int lane = 0, int lanes = 1) {
   int m = 0;
   for (int k = 1; k < 3; ++k)
@@ -23,6 +23,7 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
   const int incidences = s.bucketOffset[s.cells];
   for (int level = 0; level < kGridLevels; ++level) {
     if (s.counters->levelCount[level] == 0) continue;
+    const int layer = layerOf(world, level);
     const double size = static_cast<double>(cellSize(level));
     Vec3d reach = half;
     for (int k = 0; k < 3; ++k)
@@ -52,7 +53,7 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
     const double cells = (double(last) - first + 1) * (2 * reach[u] / size + 2) * (2 * reach[v] / size + 2);
     if (cells > 2.0 * incidences + 64) {
       for (int k = lane; k < incidences; k += lanes)
-        if (s.grid[k].level == level) tryEntry(s.grid[k]);
+        if (s.grid[k].layer == layer) tryEntry(s.grid[k]);
       continue;
     }
     const bool forward = d[m] >= 0;
@@ -69,11 +70,11 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
         for (int cu = low(u, t0, t1); cu <= high(u, t0, t1); ++cu) {
           int c[3];
           c[m] = slab, c[u] = cu, c[v] = cv;
-          const int bucket = bucketOf(s, level, c[0], c[1], c[2]);
+          const int bucket = bucketOf(s, layer, c[0], c[1], c[2]);
           for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
             const GridEntry& e = s.grid[k];
             // another cell may share the bucket
-            const bool here = e.level == level && cellOf(e.center.x, cellSize(level)) == c[0] &&
+            const bool here = e.layer == layer && cellOf(e.center.x, cellSize(level)) == c[0] &&
                               cellOf(e.center.y, cellSize(level)) == c[1] &&
                               cellOf(e.center.z, cellSize(level)) == c[2];
             if (here) tryEntry(e);
@@ -81,7 +82,8 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
         }
     }
   }
-  for (int k = lane; k < s.planes; k += lanes) visit(s.planeBody[k]);
+  const int end = s.planesEnd(world);
+  for (int k = s.planesBegin(world) + lane; k < end; k += lanes) visit(s.planeBody[k]);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -17,6 +17,7 @@ struct QueryData {
   double size;   ///< diameter of the shape [m]
   std::uint32_t layers, mask;
   int sensors, ignore;
+  int world;  ///< whose bodies are found
 };
 
 struct QueryHit {
@@ -84,7 +85,7 @@ RUBBLE_HD QueryHit answer(const SolverData& s, const QueryData& q, const ShapeTa
     (closest ? bestDistance : limit) = hit.fraction;
   };
   visitAlong(
-      s, q.position, q.move, half, limit,
+      s, q.world, q.position, q.move, half, limit,
       [&](int body) {
         if (!looksAt(s, q, body)) return;
         visitParts(s, body, q.position, [&](const PlacedAny& target) {
@@ -127,7 +128,7 @@ template <class Found>
 RUBBLE_HD void searchOverlaps(const SolverData& s, const ShapeTables& tables, const QueryData& q,
                               Found&& found) {
   double limit = 1;
-  visitAlong(s, q.position, {}, extent(q), limit, [&](int body) {
+  visitAlong(s, q.world, q.position, {}, extent(q), limit, [&](int body) {
     if (!looksAt(s, q, body)) return;
     bool meets = false;
     visitParts(s, body, q.position, [&](const PlacedAny& target) {
