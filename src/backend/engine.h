@@ -44,8 +44,8 @@ enum class Fetch { Body, Vertices, All };
 class BatchEngine {
  public:
   virtual ~BatchEngine() = default;
-  /// Gives the worlds their elements. Must follow edits that add any.
-  virtual void setLayout(std::span<const WorldLayout> worlds) = 0;
+  /// Gives the worlds their elements. Must follow edits that add any. `spare`: bodies of no world.
+  virtual void setLayout(std::span<const WorldLayout> worlds, std::span<const int> spare) = 0;
   virtual const WorldSettings& settingsOf(int world) const = 0;
   virtual void setSettings(int world, const WorldSettings& settings) = 0;
   /// A step of the worlds that are not paused (1). No world: none is.
@@ -54,8 +54,7 @@ class BatchEngine {
   virtual const TableReader& readWorld(int world) = 0;
   /// The state of a world, without its settings.
   virtual std::vector<std::byte> takeWorld(int world) = 0;
-  /// Replaces the states of these worlds, in ascending order. A world that has more bodies or joints than its
-  /// state loses the last ones.
+  /// Replaces the states of these worlds, in ascending order. They have the elements that the states have.
   virtual void putWorlds(std::span<const int> worlds, std::span<const std::span<const std::byte>> states) = 0;
 };
 

@@ -12,8 +12,7 @@ namespace {
 
 /// Elements whose number is part of a state.
 struct StateCounts {
-  int bodies, pairs, activePairs, rows, rolls, pointPairs;
-  int joints[JointTypes::kSize];
+  int pairs, activePairs, rows, rolls, pointPairs;
 };
 
 /// Maps numbers in the tables to numbers in a world, or back.
@@ -133,6 +132,19 @@ struct Writer {
       values(&element, 1);
     }
   }
+  /// GCC 12 leaves the padding of rows in double precision as it is.
+  void rows(const std::vector<ContactRows>& from) {
+    for (const ContactRows& row : from) {
+      const std::size_t at = out.size();
+      out.resize(at + sizeof row);
+      std::memcpy(out.data() + at, &row, sizeof row);
+      const auto clear = [&](std::size_t begin, std::size_t end) {
+        std::fill(out.data() + at + begin, out.data() + at + end, std::byte{0});
+      };
+      clear(offsetof(ContactRows, manifold) + sizeof row.manifold, offsetof(ContactRows, length));
+      clear(offsetof(ContactRows, perLoad) + sizeof row.perLoad, sizeof row);
+    }
+  }
   template <class T> void list(const std::vector<T>& from) {
     values(from.data(), static_cast<int>(from.size()));
   }
@@ -192,21 +204,15 @@ std::vector<std::byte> takeWorld(const HostTables& tables, const WorldPart& part
       renumber(numbers, points.contact[k]);
   }
   const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
-  StateCounts counts{part.bodies,
-                     count(bodies.pair),
-                     count(bodies.manifold),
-                     count(bodies.row),
-                     count(bodies.rolling),
-                     count(points.pair),
-                     {}};
-  for (int t = 0; t < JointTypes::kSize; ++t) counts.joints[t] = count(part.joints[t]);
+  const StateCounts counts{count(bodies.pair), count(bodies.manifold), count(bodies.row),
+                           count(bodies.rolling), count(points.pair)};
   std::vector<std::byte> out;
   Writer writer{out, numbers};
   writer.values(&counts, 1);
   visitElements(s, part, writer);
   writer.list(bodies.pairsOfBody), writer.list(bodies.pair), writer.list(bodies.test);
   writer.list(bodies.activeOfPair), writer.list(bodies.manifold), writer.list(bodies.rolling);
-  writer.list(bodies.row);
+  writer.rows(bodies.row);
   writer.list(points.pairsOfOwner), writer.list(points.pair), writer.list(points.contact);
   return out;
 }
@@ -272,28 +278,6 @@ void changePoints(HostTables& tables, std::span<const WorldPart> parts, std::spa
   storePoints(tables, all);
 }
 
-/// The elements of a world that a state has.
-WorldPart keptPart(WorldPart part, const StateCounts& counts) {
-  part.bodies = counts.bodies;
-  for (int t = 0; t < JointTypes::kSize; ++t)
-    part.joints[t].resize(static_cast<std::size_t>(counts.joints[t]));
-  return part;
-}
-
-/// Removes the bodies and joints that a state does not have.
-void clearRest(HostTables& tables, const WorldPart& part, const StateCounts& counts) {
-  const SolverData& s = tables.view();
-  for (int i = part.firstBody + counts.bodies; i < part.firstBody + part.bodies; ++i) {
-    s.params[i] = {}, s.extras[i] = {}, s.filter[i] = {};
-    s.asleep[i] = 0;
-  }
-  forEachType(JointTypes{}, [&]<class F>() {
-    constexpr int kType = typeIndex<F>(JointTypes{});
-    for (std::size_t k = static_cast<std::size_t>(counts.joints[kType]); k < part.joints[kType].size(); ++k)
-      s.specsOf<F>()[part.joints[kType][k]] = {};
-  });
-}
-
 /// What the tables derive from joints and bodies of a world, before and after a change.
 class Derived {
  public:
@@ -351,15 +335,9 @@ void putWorlds(HostTables& tables, std::span<const WorldPart> parts, std::span<c
     reader.values(&counts, 1);
     {
       const Derived derived(tables, part, traits);
-      visitElements(s, keptPart(part, counts), reader);
-      clearRest(tables, part, counts);
+      visitElements(s, part, reader);
     }
-    readContacts(s, keptPart(part, counts), reader, counts, bodies, changedPoints[k]);
-    bodies.pairsOfBody.resize(static_cast<std::size_t>(next), 0);
-    std::size_t owners = 0;
-    for (const OwnerRange& range : pointOwnersOf(s, part))
-      owners += static_cast<std::size_t>(range.end - range.begin);
-    changedPoints[k].pairsOfOwner.resize(owners, 0);
+    readContacts(s, part, reader, counts, bodies, changedPoints[k]);
   }
   appendContacts(s, next, s.bodies, bodies);
   tables.setTraits(traits);

@@ -25,6 +25,16 @@ SoftRange sizeOf(const SoftModel& model) {
   return size;
 }
 
+/// A number above `least` that is not in use: the lowest of the spare ones, or the next new one.
+int takeSpare(std::vector<int>& spare, int& next, int least = -1) {
+  std::ranges::sort(spare);
+  const auto found = std::ranges::upper_bound(spare, least);
+  if (found == spare.end()) return next++;
+  const int number = *found;
+  spare.erase(found);
+  return number;
+}
+
 template <class T> T& slotAt(std::vector<T>& list, int i) { return list[static_cast<std::size_t>(i)]; }
 
 }  // namespace
@@ -39,7 +49,8 @@ std::vector<std::byte> WorldSnapshot::bytes() const {
 Batch::Batch(std::unique_ptr<Engine> engine, const Params& params, std::shared_ptr<const int> family)
     : engine_(std::move(engine)),
       family_(std::move(family)),
-      jointSlots_(static_cast<std::size_t>(engineJointTypes())) {
+      jointSlots_(static_cast<std::size_t>(engineJointTypes())),
+      spareJoints_(jointSlots_.size()) {
   if (!engine_->batch()) throw Error("backend", "cpu or reference, which can hold many worlds", "another");
   setParams(params);
 }
@@ -109,7 +120,7 @@ struct Batch::Translate {
 
   void operator()(SetBody e) const {
     if (e.id >= static_cast<int>(member.bodies.size())) {
-      member.bodies.push_back(batch.bodies_++);
+      member.bodies.push_back(takeSpare(batch.spareBodies_, batch.bodies_));
       batch.layoutChanged_ = true;
     }
     e.number = e.id, e.world = world, e.id = body(e.id);
@@ -144,7 +155,9 @@ struct Batch::Translate {
     const int type = static_cast<int>(e.joint.type);
     std::vector<int>& slots = slotAt(member.joints, type);
     if (e.slot >= static_cast<int>(slots.size())) {
-      slots.push_back(slotAt(batch.jointSlots_, type)++);
+      // the order of joints in a world is that of their slots
+      slots.push_back(takeSpare(slotAt(batch.spareJoints_, type), slotAt(batch.jointSlots_, type),
+                                slots.empty() ? -1 : slots.back()));
       batch.layoutChanged_ = true;
     }
     e.slot = slotAt(slots, e.slot);
@@ -229,7 +242,7 @@ void Batch::flush() {
     for (const Member& m : members_)
       layouts.push_back(
           {m.bodies, m.first, m.count, m.firstAttachment, m.attachments, m.joints, m.shapes, m.surfaces});
-    worlds().setLayout(layouts);
+    worlds().setLayout(layouts, spareBodies_);
     layoutChanged_ = false;
   }
   for (const auto& [world, settings] : std::exchange(settings_, {})) {
@@ -275,12 +288,28 @@ void Batch::takeReferences(int world, const WorldSnapshot& snapshot) {
   const Translate translate{*this, world, member};
   while (member.bodies.size() < snapshot.bodies)
     translate(SetBody{static_cast<int>(member.bodies.size()), {}});
-  for (std::size_t type = 0; type < snapshot.joints.size(); ++type)
+  while (member.bodies.size() > snapshot.bodies) {
+    translate(SetBody{static_cast<int>(member.bodies.size()) - 1, {}});
+    spareBodies_.push_back(member.bodies.back());
+    member.bodies.pop_back();
+    layoutChanged_ = true;
+  }
+  for (std::size_t type = 0; type < snapshot.joints.size(); ++type) {
+    std::vector<int>& slots = member.joints[type];
+    while (slots.size() > snapshot.joints[type]) {
+      SetJoint none{static_cast<int>(slots.size()) - 1, {}};
+      none.joint.type = static_cast<int>(type);
+      translate(none);
+      spareJoints_[type].push_back(slots.back());
+      slots.pop_back();
+      layoutChanged_ = true;
+    }
     while (member.joints[type].size() < snapshot.joints[type]) {
       SetJoint none{static_cast<int>(member.joints[type].size()), {}};
       none.joint.type = static_cast<int>(type);
       translate(none);
     }
+  }
   const WorldReferences &to = snapshot.references, before = member.references;
   for (const auto& [a, b] : before.excluded)
     if (!to.excluded.contains({a, b})) translate(SetExcluded{a, b, false});

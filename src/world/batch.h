@@ -51,7 +51,7 @@ class Batch {
   BatchEngine& worlds() { return *engine_->batch(); }
   /// Row in the arrays of the engine of each body of a world.
   const std::vector<int>& rowsOf(int world) const { return members_[static_cast<std::size_t>(world)].bodies; }
-  /// Number of rows.
+  /// Number of rows, with those of bodies of no world.
   int rows() const { return bodies_; }
   void setParams(const Params& params);
   void configure(int world, const EngineSettings& settings);
@@ -83,7 +83,9 @@ class Batch {
   std::shared_ptr<const int> family_;
   std::vector<Member> members_;
   int bodies_ = 0;
-  std::vector<int> jointSlots_;  ///< by type
+  std::vector<int> jointSlots_;                ///< by type
+  std::vector<int> spareBodies_;               ///< of no world
+  std::vector<std::vector<int>> spareJoints_;  ///< likewise, by type
   std::vector<Material> surfaces_;
   std::map<std::shared_ptr<const CookedShape>, int> shapes_;  ///< offset of their indices
   int shapeIndices_ = 0;

@@ -22,7 +22,7 @@ WorldPart worldPart(const WorldLayout& layout, int firstBody) {
 
 }  // namespace
 
-void CpuEngine::setLayout(std::span<const WorldLayout> worlds) {
+void CpuEngine::setLayout(std::span<const WorldLayout> worlds, std::span<const int> spare) {
   const int count = static_cast<int>(worlds.size());
   tables().reserve(Per::World, count);
   std::vector<int> order;  // ids in the order of their new places
@@ -31,6 +31,7 @@ void CpuEngine::setLayout(std::span<const WorldLayout> worlds) {
     parts_.push_back(worldPart(world, static_cast<int>(order.size())));
     order.insert(order.end(), world.bodies.begin(), world.bodies.end());
   }
+  order.insert(order.end(), spare.begin(), spare.end());
   placeBodies(tables(), order);
   SolverData& s = tables().view();
   s.worlds = count;

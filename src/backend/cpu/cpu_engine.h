@@ -67,7 +67,7 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
     loadState(tables(), previousDt_, snapshot.bytes());
   }
   BatchEngine* batch() override { return this; }
-  void setLayout(std::span<const WorldLayout> worlds) override;
+  void setLayout(std::span<const WorldLayout> worlds, std::span<const int> spare) override;
   const WorldSettings& settingsOf(int world) const override {
     return worlds_[static_cast<std::size_t>(world)];
   }
