@@ -1,6 +1,9 @@
 /// Worlds of a batch have the bits that they have alone.
 #include <rubble/worlds.h>
 
+#include <map>
+#include <numeric>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/random.h"
@@ -217,33 +220,37 @@ TEST(Worlds, StepOnlyThoseOfTheMask) {
   }
 }
 
-TEST(Worlds, ResetsTouchNoOtherWorld) {
-  constexpr int kWorlds = 12, kResets = 60;
+TEST(Worlds, AThousandResetsTouchNoOtherWorld) {
+  constexpr int kWorlds = 40, kRounds = 100, kResets = 10;
   Worlds worlds(optionsOf("cpu", 2));
   std::vector<Snapshot> starts;
   std::vector<std::vector<std::uint64_t>> alone;
   for (int w = 0; w < kWorlds; ++w) {
-    const Scene scene = randomWorld(200 + static_cast<std::uint64_t>(w));
+    const Scene scene = randomWorld(200 + static_cast<std::uint64_t>(w), 5);
     worlds.add(scene);
-    alone.push_back(hashesAlone(scene, optionsOf(), kResets + 4));
+    alone.push_back(hashesAlone(scene, optionsOf(), kRounds + 2));
   }
   worlds.step();
   for (int w = 0; w < kWorlds; ++w) starts.push_back(worlds[w].snapshot());
-  std::vector<int> age(kWorlds, 0), content(kWorlds);
-  for (int w = 0; w < kWorlds; ++w) content[static_cast<std::size_t>(w)] = w;
+  std::vector<std::size_t> age(kWorlds, 0), content(kWorlds);
+  std::iota(content.begin(), content.end(), 0);
   Random random(6);
-  for (int k = 0; k < kResets; ++k) {
-    // a random world begins anew, with the content of a random world
-    const int at = random.below(kWorlds), from = random.below(kWorlds);
-    worlds.reset({&at, 1}, {&starts[static_cast<std::size_t>(from)], 1});
-    age[static_cast<std::size_t>(at)] = 0, content[static_cast<std::size_t>(at)] = from;
-    worlds.step();
-    for (std::size_t w = 0; w < kWorlds; ++w) {
-      ++age[w];
-      ASSERT_EQ(worlds[static_cast<int>(w)].hash(),
-                alone[static_cast<std::size_t>(content[w])][static_cast<std::size_t>(age[w])])
-          << "world " << w << ", reset " << k;
+  for (int k = 0; k < kRounds; ++k) {
+    // random worlds begin anew, each with the content of a random world
+    std::map<int, int> changes;
+    while (changes.size() < kResets) changes[random.below(kWorlds)] = random.below(kWorlds);
+    std::vector<int> list;
+    std::vector<Snapshot> snapshots;
+    for (const auto& [at, from] : changes) {
+      list.push_back(at), snapshots.push_back(starts[static_cast<std::size_t>(from)]);
+      age[static_cast<std::size_t>(at)] = 0,
+      content[static_cast<std::size_t>(at)] = static_cast<std::size_t>(from);
     }
+    worlds.reset(list, snapshots);
+    worlds.step();
+    for (std::size_t w = 0; w < kWorlds; ++w)
+      ASSERT_EQ(worlds[static_cast<int>(w)].hash(), alone[content[w]][++age[w]])
+          << "world " << w << ", round " << k;
   }
 }
 
