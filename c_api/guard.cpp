@@ -88,6 +88,12 @@ void storeAll(const std::vector<Vec3>& from, double* to, std::int64_t count) {
   for (const Vec3& each : from) store(each, to), to += 3;
 }
 
+StateArray stateArrayOf(std::int32_t which) {
+  if (which < RB_POSITION || which > RB_TORQUE)
+    throw Error("which", "a state array, 0 to 5", std::to_string(which));
+  return static_cast<StateArray>(which);
+}
+
 rb_mass toC(const MassProperties& mass) {
   rb_mass out{};
   out.mass = mass.mass;

@@ -89,6 +89,9 @@ void giveIds(std::vector<T>& kept, const std::vector<Id>& ids, const T** list, s
   give(kept, list, count);
 }
 
+/// Throws Error unless it is one of rb_state_array.
+StateArray stateArrayOf(std::int32_t which);
+
 rb_mass toC(const MassProperties& mass);
 rb_body_state toC(const BodyState& state);
 BodyState fromC(const rb_body_state& state);

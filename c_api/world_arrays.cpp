@@ -10,12 +10,6 @@ using namespace rubble::c;
 
 namespace {
 
-StateArray arrayOf(int32_t which) {
-  if (which < RB_POSITION || which > RB_TORQUE)
-    throw Error("which", "a state array, 0 to 5", std::to_string(which));
-  return static_cast<StateArray>(which);
-}
-
 /// A tensor and what it points to.
 struct OwnedTensor {
   dlpack::ManagedTensor managed;
@@ -51,14 +45,14 @@ std::unique_ptr<OwnedTensor> tensorOf(const std::shared_ptr<World>& world, const
 extern "C" {
 
 rb_status rb_world_array(const rb_world* world, int32_t which, rb_array* array) {
-  return guarded([&] { need(array, "array") = toC(worldOf(world).array(arrayOf(which))); });
+  return guarded([&] { need(array, "array") = toC(worldOf(world).array(stateArrayOf(which))); });
 }
 
 int64_t rb_world_epoch(const rb_world* world) { return world ? world->world->epoch() : -1; }
 
 rb_status rb_world_dlpack(rb_world* world, int32_t which, void** tensor) {
   return guarded([&] {
-    const ArrayView view = worldOf(world).array(arrayOf(which));
+    const ArrayView view = worldOf(world).array(stateArrayOf(which));
     need(tensor, "tensor") = &tensorOf(world->world, view).release()->managed;
   });
 }
@@ -74,7 +68,7 @@ rb_status rb_world_sort_bodies(rb_world* world) {
 
 rb_status rb_world_scatter(rb_world* world, int32_t which, const rb_array* rows, const rb_array* values) {
   return guarded([&] {
-    worldOf(world).scatter(arrayOf(which), fromC(need(rows, "rows")), fromC(need(values, "values")));
+    worldOf(world).scatter(stateArrayOf(which), fromC(need(rows, "rows")), fromC(need(values, "values")));
   });
 }
 

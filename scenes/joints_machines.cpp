@@ -210,6 +210,33 @@ Probes platformProbes(const Arguments&, const Scene&) {
   return probes;
 }
 
+/// The cart-pole of reinforcement learning: a pole on a cart that runs on a rail.
+constexpr double kCartMass = 1, kPoleMass = .1, kPoleHalf = .5, kRail = 2.4;
+Scene buildCartPole(const Arguments& arguments) {
+  Scene scene = emptyScene(kUpZ, 9.8);
+  const int cart = put(scene, box({.2, .15, .1}, {}, kCartMass), "cart");
+  const Vec3 tip = rotate(fromAxisAngle(kY, value(arguments, "lean")), 2 * kPoleHalf * kZ);
+  const int pole = put(scene, rod({}, tip, .02, kPoleMass), "pole");
+  JointDef& rail = join(scene, JointType::Slider, cart, kWorld, {}, kX, "rail");
+  rail.axes[0].min = -kRail, rail.axes[0].max = kRail;
+  join(scene, JointType::Hinge, pole, cart, {}, kY, "hinge").collide = false;
+  return scene;
+}
+Probes cartPoleProbes(const Arguments&, const Scene& scene) {
+  Probes probes;
+  const auto center = [](double cart, double pole) {
+    return (kCartMass * cart + kPoleMass * pole) / (kCartMass + kPoleMass);
+  };
+  const double before = center(scene.bodies[0].position.x, scene.bodies[1].position.x);
+  probes.push_back(everyStep([=](const World& world, const StepReport&, Metrics& metrics) {
+    const double now = center(bodyOf(world, "cart").position.x, bodyOf(world, "pole").position.x);
+    raise(metrics, "drift_m", std::fabs(now - before));
+    raise(metrics, "swing_rad", std::fabs(jointOf(world, "hinge").axes[0].position));
+  }));
+  probes.push_back(jointErrorProbe());
+  return probes;
+}
+
 }  // namespace
 
 std::vector<Spec> machineSpecs() {
@@ -249,6 +276,12 @@ std::vector<Spec> machineSpecs() {
            within("sag_ratio", .99, 1.01, "m g / k"), within("turned_rad", .99, 1.01, "turned as driven"),
            atMost("joint_gap_peak_m", .01, "locked and limited axes hold")},
           300),
+      jointSpec("cart-pole", "A pole on a cart, let go: the cart-pole of reinforcement learning.",
+                buildCartPole, cartPoleProbes,
+                {atMost("drift_m", .001, "no force acts along the rail: the center of mass stays"),
+                 atLeast("swing_rad", 3, "the pole swings through to the other side"),
+                 atMost("joint_gap_peak_m", .001, "rail and hinge hold")},
+                300, {quantity("lean", .05, -3.1, 3.1, "rad", "initial angle of the pole from upright")}),
   };
 }
 

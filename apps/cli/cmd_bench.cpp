@@ -8,6 +8,7 @@
 #include "apps/cli/search.h"
 #include "apps/cli/session.h"
 #include "apps/cli/text_report.h"
+#include "apps/cli/worlds_bench.h"
 
 namespace rubble::cli {
 namespace {
@@ -25,6 +26,7 @@ struct BenchOptions {
   bool search = false;
   bool noStages = false;
   bool edits = false;
+  int worlds = 0;
   double limitMs = 1000.0 / 60;
 };
 
@@ -59,6 +61,10 @@ int bench(BenchOptions options) {
   if (options.edits) {
     constexpr int kEditSteps = 80;
     benchEdits(options.job, options.scenes, options.job.steps.value_or(kEditSteps), options.jsonFile);
+    return kHolds;
+  }
+  if (options.worlds > 0) {
+    benchWorlds(options.job, options.scenes, options.worlds, options.threads, !options.noStages);
     return kHolds;
   }
   for (const std::string& scene : options.scenes) {
@@ -113,6 +119,10 @@ void addBench(CLI::App& app, int& status) {
   command->add_flag("--edits", options->edits,
                     "Instead of phases: what an edit or a query before every step costs. --steps: for each "
                     "kind of edit");
+  command
+      ->add_option("--worlds", options->worlds,
+                   "Instead of phases: that many worlds of each scene in one batch (rubble/worlds.h)")
+      ->check(CLI::PositiveNumber);
   command->add_flag(
       "--no-stages", options->noStages,
       "Without the clocks of stages, which cost a GPU some percent of a small step: the whole step only");

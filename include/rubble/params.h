@@ -52,6 +52,7 @@ struct Tuning {
   /// Relative motion below which a manifold is recycled, over the bounding diameter [1] and as an angle
   /// [rad].
   double recycleTolerance = 2e-3;
+  bool operator==(const Tuning&) const = default;
 };
 
 struct Params {
@@ -63,6 +64,7 @@ struct Params {
   int sortInterval = 0;
   bool sleeping = false;  ///< skip islands at rest until something disturbs them
   Tuning tuning;
+  bool operator==(const Params&) const = default;
 
   /// Default parameters of a preset.
   static Params of(Preset preset);

@@ -287,9 +287,14 @@ class World {
   std::string firstDifference() const;
 
  private:
+  friend class Worlds;
   struct Impl;
+  explicit World(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// Throws Error if parameters or the number of threads are invalid.
+void validate(const WorldOptions& options);
 
 /// Backends of this build that this machine can run.
 std::vector<std::string> backends();

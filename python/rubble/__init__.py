@@ -27,6 +27,7 @@ from ._shapes import (Mass, box, capsule, compound, cone, cylinder, distance_fie
 from ._soft import (Attachment, Attachments, Deformable, Deformables, Surface, cable_along, cloth_sheet,
                     straight_cable, tet_ball, tet_box, tet_solid)
 from ._world import Params, Snapshot, StepReport, World
+from ._worlds import Worlds
 
 
 def info() -> dict[str, Any]:
@@ -39,9 +40,9 @@ __all__ = [
     "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim", "ContactLoad",
     "Deformable", "Deformables", "Error", "Events", "Frame", "Hit", "Joint", "JointState", "Joints", "Mass",
     "Painter", "Params", "Quality", "Recorder", "Recording", "Rod", "Run", "Scene", "SceneInfo", "Snapshot",
-    "StepReport", "Surface", "Verdict", "World", "box", "cable_along", "capsule", "cloth_sheet", "compound",
-    "cone", "cylinder", "distance_field", "height_field", "hull", "info", "mass_of", "mesh", "plane",
-    "save_png", "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",
+    "StepReport", "Surface", "Verdict", "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet",
+    "compound", "cone", "cylinder", "distance_field", "height_field", "hull", "info", "mass_of", "mesh",
+    "plane", "save_png", "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",
 ]
 for _name in __all__:  # tracebacks and help() name them as users do
     globals()[_name].__module__ = "rubble"

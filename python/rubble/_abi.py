@@ -2,7 +2,7 @@
 from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_int32, c_int64, c_uint32, c_uint64, \
     c_void_p
 
-API_VERSION = 1
+API_VERSION = 2
 OK = 0
 INVALID = 1
 OUT_OF_MEMORY = 2
@@ -386,6 +386,19 @@ FUNCTIONS = {
     "rb_world_restore": (c_int, [c_void_p, c_void_p]),
     "rb_snapshot_destroy": (None, [c_void_p]),
     "rb_world_first_difference": (c_int, [c_void_p, c_void_p]),
+    "rb_worlds_create": (c_int, [c_char_p, c_void_p]),
+    "rb_worlds_destroy": (None, [c_void_p]),
+    "rb_worlds_add": (c_int, [c_void_p, c_void_p, c_int32, c_void_p]),
+    "rb_worlds_count": (c_int32, [c_void_p]),
+    "rb_worlds_world": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_worlds_step": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
+    "rb_worlds_reset": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_int64]),
+    "rb_worlds_params": (c_int, [c_void_p, c_void_p]),
+    "rb_worlds_set_params": (c_int, [c_void_p, c_char_p]),
+    "rb_worlds_array": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_worlds_rows": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
+    "rb_worlds_scatter": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
+    "rb_worlds_memory_bytes": (c_int64, [c_void_p]),
     "rb_recorder_create": (c_int, [c_void_p, c_char_p, c_char_p, c_double, c_void_p]),
     "rb_recorder_write": (c_int, [c_void_p, c_void_p]),
     "rb_recorder_finish": (c_int, [c_void_p]),

@@ -39,6 +39,25 @@ class PoseCopies {
 /// What a caller is going to read: nothing but the state of one body, vertices, or anything.
 enum class Fetch { Body, Vertices, All };
 
+/// An engine of many worlds in one set of tables. Vertices, joints and elements are addressed as in the
+/// tables.
+class BatchEngine {
+ public:
+  virtual ~BatchEngine() = default;
+  /// Gives the worlds their elements. Must follow edits that add any. `spare`: bodies of no world.
+  virtual void setLayout(std::span<const WorldLayout> worlds, std::span<const int> spare) = 0;
+  virtual const WorldSettings& settingsOf(int world) const = 0;
+  virtual void setSettings(int world, const WorldSettings& settings) = 0;
+  /// A step of the worlds that are not paused (1). No world: none is.
+  virtual void stepWorlds(StepReport& report, std::span<const char> paused) = 0;
+  /// Reads one world in its own numbers.
+  virtual const TableReader& readWorld(int world) = 0;
+  /// The state of a world, without its settings.
+  virtual std::vector<std::byte> takeWorld(int world) = 0;
+  /// Replaces the states of these worlds, in ascending order. They have the elements that the states have.
+  virtual void putWorlds(std::span<const int> worlds, std::span<const std::span<const std::byte>> states) = 0;
+};
+
 /// A backend. Bodies are addressed by id.
 class Engine {
  public:
@@ -53,8 +72,12 @@ class Engine {
   /// Sorts the bodies in memory along a space-filling curve (stages/pairs/order.h).
   virtual void sortBodies() = 0;
 
+  /// Null unless it can hold many worlds.
+  virtual BatchEngine* batch() { return nullptr; }
+
   /// Up to date, with all edits, until the next other call. `id`: the body, for Fetch::Body.
   virtual const TableReader& read(Fetch what = Fetch::All, int id = -1) = 0;
+  virtual BodyState bodyState(int id) { return read(Fetch::Body, id).state(id); }
   /// Memory for n queries that are asked next, where the engine reads them without another copy.
   virtual std::span<EngineQuery> queryRoom(std::size_t n) = 0;
   /// The first hit, or the nearest body, of each query. Valid until the next query.

@@ -1,17 +1,12 @@
 #pragma once
 /// Engines whose tables can be looked at between the kernels of a step.
 #include <algorithm>
-#include <functional>
-#include <string_view>
 
 #include "backend/engine.h"
+#include "backend/kernel_observer.h"
 #include "tables/host_tables.h"
 
 namespace rubble::RUBBLE_CORE {
-
-/// Called with the names of stage and kernel before each kernel of a step, and with "between steps" at its
-/// end.
-using KernelObserver = std::function<void(std::string_view stage, std::string_view kernel)>;
 
 class ObservableEngine : public Engine {
  public:

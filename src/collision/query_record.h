@@ -17,6 +17,7 @@ struct EngineQuery {
   std::uint32_t layers = 0, mask = 0;
   int sensors = 0;
   int ignore = -1;  ///< id of the body to skip, or -1
+  int world = 0;    ///< of a batch: whose bodies are found. Ids are numbers in it
 };
 
 struct EngineHit {

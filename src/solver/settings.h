@@ -16,6 +16,23 @@ inline StepPlan stepPlan(const Params& params) {
           static_cast<Real>(t.acceleration)};
 }
 
+/// Sets the constants that depend on gravity.
+inline void setGravity(StepConstants& c, const Params& params, const Vec3d& gravity) {
+  const double dt = params.dt / params.substeps, g = length(gravity);
+  c.gravity = Vec3(gravity);
+  c.gravitySize = static_cast<Real>(g);
+  const double fall = g > 0 ? g : kEarthGravity;
+  c.loadAcceleration = static_cast<Real>(params.tuning.loadAcceleration * fall);
+  c.perFall = 1 / (fall * dt * dt);
+  c.up = g > 0 ? Vec3(gravity * (-1 / g)) : Vec3{0, 0, 0};
+}
+
+/// (dt of the last step / dt)^2 [1].
+inline Real stiffnessRescale(const Params& params, double previousDt) {
+  const double ratio = previousDt / (params.dt / params.substeps);
+  return previousDt > 0 ? static_cast<Real>(ratio * ratio) : Real(1);
+}
+
 /// `previousDt`: time step of the last step [s], 0 before the first.
 inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, double previousDt) {
   const Tuning& t = params.tuning;
@@ -26,7 +43,6 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   StepConstants c{};
   c.dt = static_cast<Real>(dt);
   c.inverseDt = static_cast<Real>(1 / dt);
-  c.gravity = Vec3(gravity);
   c.alpha = static_cast<Real>(alpha);
   c.gamma = static_cast<Real>(params.preset == Preset::Engine ? std::pow(t.warmStartDecay, 60 * dt)
                                                               : t.warmStartDecay);
@@ -38,12 +54,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.maxStiffness = static_cast<Real>(t.maxStiffness);
   c.contactPolicy = t.contactPolicy;
   c.jointPolicy = t.jointPolicy;
-  const double g = length(gravity);
-  c.gravitySize = static_cast<Real>(g);
-  const double fall = g > 0 ? g : kEarthGravity;
-  c.loadAcceleration = static_cast<Real>(t.loadAcceleration * fall);
-  c.perFall = 1 / (fall * dt * dt);
-  c.up = g > 0 ? Vec3(gravity * (-1 / g)) : Vec3{0, 0, 0};
+  setGravity(c, params, gravity);
   c.coneHessian = t.coneHessian;
   c.inactiveRows = t.dormantRows;
   c.impactRule = t.impactRule;
@@ -56,7 +67,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.sleepSpeed = static_cast<Real>(t.sleepSpeed);
   c.sleepDelay = static_cast<Real>(t.sleepDelay);
   c.recycleTolerance = static_cast<Real>(t.recycleTolerance);
-  c.stiffnessRescale = previousDt > 0 ? static_cast<Real>((previousDt / dt) * (previousDt / dt)) : Real(1);
+  c.stiffnessRescale = stiffnessRescale(params, previousDt);
   return c;
 }
 

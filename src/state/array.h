@@ -41,6 +41,7 @@ template <class T> class CheckedArray {
  public:
   CheckedArray(T* data = nullptr, std::ptrdiff_t length = kUnknown) : data_{data}, length_{length} {}
   operator T*() const { return data_; }
+  T* operator->() const { return data_; }
   template <class I>
   requires std::is_integral_v<I> T& operator[](I i) const {
     const auto index = static_cast<std::ptrdiff_t>(i);

@@ -22,6 +22,12 @@ template <class F> void forEachArray(F&& f) {
   };
   is(&SolverData::idOf, "idOf", "", Per::Body, Lifetime::Authored);
   is(&SolverData::placeOf, "placeOf", "", Per::Body, Lifetime::Authored);
+  is(&SolverData::step, "step", "", Per::World, Lifetime::Batch);
+  is(&SolverData::worldOfBody, "worldOfBody", "", Per::Body, Lifetime::Batch);
+  is(&SolverData::worldOfVertex, "worldOfVertex", "", Per::Vertex, Lifetime::Batch);
+  is(&SolverData::firstVertex, "firstVertex", "", Per::World, Lifetime::Batch, 1);
+  is(&SolverData::firstPlane, "firstPlane", "", Per::World, Lifetime::Batch, 1);
+  is(&SolverData::paused, "paused", "", Per::World, Lifetime::Batch);
   is(&SolverData::params, "params", "", Per::Body, Lifetime::Authored);
   is(&SolverData::extras, "extras", "1/s", Per::Body, Lifetime::Authored);
   is(&SolverData::filter, "filter", "", Per::Body, Lifetime::Authored);
@@ -193,6 +199,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::featureOffset, "featureOffset", "", Per::FeatureCell, Lifetime::Work, 1);
   is(&SolverData::featureEntry, "featureEntry", "", Per::Feature, Lifetime::Unordered);
   is(&SolverData::vertexRepair, "vertexRepair", "", Per::Vertex, Lifetime::Work);
+  is(&SolverData::crossingRound, "crossingRound", "", Per::World, Lifetime::Work);
   is(&SolverData::nearFeature, "nearFeature", "", Per::NearFeature, Lifetime::Unordered);
   is(&SolverData::nearCount, "nearCount", "", Per::PointOwner, Lifetime::Work);
   is(&SolverData::nearOffset, "nearOffset", "", Per::PointOwner, Lifetime::Work, 1);

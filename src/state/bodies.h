@@ -60,10 +60,12 @@ struct BodyFilter {
   int sensor;
 };
 
-/// Ids of two bodies that do not collide; -1, -1: an empty element of the hash table.
+/// Ids of two bodies of one world that do not collide; -1, -1: an empty element of the hash table.
 struct ExcludedPair {
-  int low, high;
-  RUBBLE_HD constexpr bool operator==(const ExcludedPair& o) const { return low == o.low && high == o.high; }
+  int low, high, world = 0;
+  RUBBLE_HD constexpr bool operator==(const ExcludedPair& o) const {
+    return low == o.low && high == o.high && world == o.world;
+  }
   constexpr auto operator<=>(const ExcludedPair&) const = default;
 };
 
@@ -78,7 +80,7 @@ struct Bounds {
 struct alignas(8 * sizeof(Real)) GridEntry {
   Vec3 center, half;  ///< of its Bounds [m]
   int body;
-  int level;
+  int layer;  ///< level + kGridLevels * world
 };
 
 /// Two parts of bodies whose swept AABBs overlap. The owner is the body of the finer grid level; within one

@@ -51,6 +51,7 @@ enum class Per {
   Strand,
   StrandVertex,
   Node,
+  World,
   FirstElement,
   FirstJoint = FirstElement + ElementTypes::kSize
 };
@@ -60,11 +61,12 @@ inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes:
 /// How long the content of an array stays valid:
 ///   Authored   written by edits
 ///   Derived    computed on the host from authored data
+///   Batch      written by edits of a batch of worlds; no part of the state of a world
 ///   State      kept from step to step
 ///   Work       valid inside one step
 ///   Unordered  like Work; the order of its elements, or what is left of counters and beyond the members of a
 ///              list, is not fixed and does not influence results
-enum class Lifetime { Authored, Derived, State, Work, Unordered };
+enum class Lifetime { Authored, Derived, Batch, State, Work, Unordered };
 
 /// Pairs that a body may own before the broad phase runs again with more room.
 inline constexpr int kPairSlots = 20;

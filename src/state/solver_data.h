@@ -16,7 +16,9 @@ template <class List> struct ElementTables;
 template <class... F> struct ElementTables<TypeList<F...>> : ElementTable<F>... {};
 
 struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
-  int bodies = 0;  ///< slots, including removed ones and a reserve
+  int bodies = 0;        ///< slots, including removed ones and a reserve
+  int worlds = 1;        ///< separate worlds in the tables
+  bool pausing = false;  ///< true: some worlds are left out of this step
   int planes = 0;
   int surfaces = 0;                    ///< materials in the shared table
   bool generalShapes = false;          ///< true: some body has a non-primitive shape
@@ -51,19 +53,27 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
       yielding = 0;  ///< slots in use per element type; tetrahedra that can yield
   StepPlan plan;
   /// In device memory on a device, so that a captured step outlives them. Kernels that use many copy them,
-  /// because loads through the pointer are repeated after every store.
-  StepConstants* step = nullptr;
+  /// because loads through the pointer are repeated after every store. The first element holds for all
+  /// worlds; what depends on gravity is read from the element of a world (stepOf).
+  Array<StepConstants> step = nullptr;
   Counters* counters = nullptr;
 
   // bodies: authored
-  Array<int> idOf = nullptr;     ///< BodyId::index of the body in each table row
+  Array<int> idOf = nullptr;     ///< BodyId::index of the body in each table row, in its world
   Array<int> placeOf = nullptr;  ///< table row of the body of each id
   Array<BodyParams> params = nullptr;
   Array<BodyExtras> extras = nullptr;
   Array<BodyFilter> filter = nullptr;
-  Array<int> planeBody = nullptr;  ///< body indices of the planes
+  Array<int> planeBody = nullptr;  ///< body indices of the planes, sorted by world
   Array<ExcludedPair>
       exclusion = nullptr;  ///< hash table of pairs that do not collide (stages/pairs/filter.h)
+  // worlds, if there are several. The bodies of a world are consecutive, in the order of their ids, and so
+  // are its vertices. Objects of different worlds never meet.
+  Array<int> worldOfBody = nullptr;    ///< world of each body
+  Array<int> worldOfVertex = nullptr;  ///< world of each vertex
+  Array<int> firstVertex = nullptr;    ///< [worlds + 1] first vertex of each world
+  Array<int> firstPlane = nullptr;     ///< [worlds + 1] first plane of each world, in planeBody
+  Array<int> paused = nullptr;         ///< 1: the world is left out of this step
   // shapes and materials shared by bodies: authored
   Array<Vec4> shapeVector = nullptr;  ///< see ShapeTables
   Array<int> shapeIndex = nullptr;
@@ -228,6 +238,7 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<int> featureOffset = nullptr;      ///< [featureCells + 1]
   Array<BoxEntry> featureEntry = nullptr;  ///< features sorted by bucket
   Array<VertexRepair> vertexRepair = nullptr;
+  Array<int> crossingRound = nullptr;         ///< by world: 1 + the last round that found an impact
   Array<NearFeature> nearFeature = nullptr;   ///< sorted by owner; in no fixed order within one
   Array<int> nearCount = nullptr;             ///< elements of nearFeature per vertex and edge
   Array<int> nearOffset = nullptr;            ///< [owners + 1]
@@ -268,6 +279,21 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   /// corner slots of every body.
   RUBBLE_HD int owners() const;
   RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }
+  /// World of a body; of kWorldBody: the first one.
+  RUBBLE_HD int worldOf(int body) const { return worlds > 1 && body >= 0 ? worldOfBody[body] : 0; }
+  RUBBLE_HD int worldOfPoint(int vertex) const { return worlds > 1 ? worldOfVertex[vertex] : 0; }
+  /// The constants of a step in the world of a body or a vertex.
+  RUBBLE_HD const StepConstants& stepOf(int body) const { return step[worldOf(body)]; }
+  RUBBLE_HD const StepConstants& stepOfPoint(int vertex) const { return step[worldOfPoint(vertex)]; }
+  /// The same of a constraint between two bodies, one of which may be the world.
+  RUBBLE_HD const StepConstants& stepOf(int a, int b) const { return stepOf(a >= 0 ? a : b); }
+  /// Number of a vertex within its world.
+  RUBBLE_HD int numberOfPoint(int vertex) const {
+    return worlds > 1 ? vertex - firstVertex[worldOfVertex[vertex]] : vertex;
+  }
+  /// The planes of a world: range in planeBody.
+  RUBBLE_HD int planesBegin(int world) const { return worlds > 1 ? firstPlane[world] : 0; }
+  RUBBLE_HD int planesEnd(int world) const { return worlds > 1 ? firstPlane[world + 1] : planes; }
 
   template <class F> RUBBLE_HD F* elementsOf() const { return ElementTable<F>::element; }
   template <class F> RUBBLE_HD JointSpec<F>* specsOf() const { return JointTable<F>::spec; }
@@ -297,8 +323,15 @@ RUBBLE_HD inline void wakeBody(const SolverData& s, int body) {
   s.asleep[body] = 0;
   s.stillTime[body] = 0;
 }
+RUBBLE_HD inline bool isPaused(const SolverData& s, int body) {
+  return s.pausing && s.paused[s.worldOf(body)] != 0;
+}
+/// A body of a paused world counts as asleep.
 RUBBLE_HD inline bool isAsleep(const SolverData& s, int body) {
-  return s.plan.sleeping && s.asleep[body] != 0;
+  return (s.plan.sleeping && s.asleep[body] != 0) || isPaused(s, body);
+}
+RUBBLE_HD inline bool isPausedPoint(const SolverData& s, int vertex) {
+  return s.pausing && s.paused[s.worldOfPoint(vertex)] != 0;
 }
 /// Is the body moved by the solver? A sleeping body counts as static.
 RUBBLE_HD inline bool isDynamic(const SolverData& s, int body) {

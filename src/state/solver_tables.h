@@ -12,11 +12,10 @@ template <class Memory> class SolverTables {
  public:
   SolverTables() {
     view_.counters = static_cast<Counters*>(Memory::allocate(sizeof(Counters)));
-    view_.step = static_cast<StepConstants*>(Memory::allocate(sizeof(StepConstants)));
     for (int per = 0; per < kPerCount; ++per) reserve(static_cast<Per>(per), 1);
   }
   ~SolverTables() {
-    Memory::release(view_.counters), Memory::release(view_.step);
+    Memory::release(view_.counters);
     forEachArray([&](const auto& array) {
       if (!array.aliases) Memory::release(view_.*array.member);
     });

@@ -49,7 +49,7 @@ inline constexpr int kParticleKind = kFeatureKinds, kBoxKinds = kFeatureKinds + 
 struct alignas(8 * sizeof(Real)) BoxEntry {
   Vec3 center, half;  ///< swept AABB [m]
   int item;           ///< feature or vertex
-  int place;          ///< kind + kBoxKinds * level
+  int place;          ///< kind + kBoxKinds * (level + kBoxLevels * world)
 };
 
 /// A vertex or edge (as PointPair::vertex) and a feature that its swept motion may meet.

@@ -69,6 +69,8 @@ struct Apply {
   void operator()(const SetBody& e) const {
     setBodyCount(tables, e.id + 1);
     setBody(tables, slot(e.id), e.body);
+    if (e.number < 0) return;
+    tables.view().idOf[slot(e.id)] = e.number, tables.view().worldOfBody[slot(e.id)] = e.world;
   }
   void operator()(const SetBodyState& e) const { setBodyState(tables, slot(e.id), e.state); }
   void operator()(const AddForce& e) const {
@@ -79,17 +81,13 @@ struct Apply {
   void operator()(const ForgetContacts& e) const { forgetContacts(tables, e.ids); }
   void operator()(const AddShape& e) const { addShape(tables, *e.shape, e.partSurfaces); }
   void operator()(const SetSurfaces& e) const { setSurfaces(tables, e.surfaces); }
-  void operator()(const SetPlanes& e) const {
-    SolverData& s = tables.view();
-    s.planes = static_cast<int>(e.ids.size());
-    for (int i = 0; i < s.planes; ++i) s.planeBody[i] = slot(e.ids[static_cast<std::size_t>(i)]);
-  }
+  void operator()(const SetPlanes& e) const { setPlanes(tables, e.ids, e.firstOfWorld); }
   void operator()(const SetJoint& e) const {
     const int type = static_cast<int>(e.joint.type);
     if (e.slot >= tables.jointIds[type]) setJointCount(tables, type, e.slot + 1);
     (e.keepsState ? editJoint : setJoint)(tables, e.slot, e.joint);
   }
-  void operator()(const SetExcluded& e) const { setExcluded(tables, e.a, e.b, e.excluded); }
+  void operator()(const SetExcluded& e) const { setExcluded(tables, e.a, e.b, e.excluded, nullptr, e.world); }
   void operator()(const SetDeformables&) const {}
   void operator()(const SetVertices& e) const { setVertexStates(tables, e.first, e.positions, e.velocities); }
   void operator()(const AddVertexForce& e) const { tables.view().vertexForce[e.vertex] += Vec3(e.force); }

@@ -10,6 +10,8 @@ namespace rubble {
 struct SetBody {
   int id;
   EngineBody body;
+  int world = 0;
+  int number = -1;  ///< id of the body in its world; -1: its id in the tables
 };
 struct SetBodyState {
   int id;
@@ -40,6 +42,7 @@ struct SetSurfaces {
 /// The bodies that are planes.
 struct SetPlanes {
   std::vector<int> ids;
+  std::vector<int> firstOfWorld = {};  ///< of a batch: [worlds + 1] first element of each world
 };
 /// Adds, changes or removes a joint. `keepsState`: its multipliers remain.
 struct SetJoint {
@@ -49,8 +52,9 @@ struct SetJoint {
 };
 /// Whether two bodies never collide.
 struct SetExcluded {
-  int a, b;
+  int a, b;  ///< ids in their world
   bool excluded;
+  int world = 0;
 };
 /// All deformable objects and attachments. Existing ones keep their relative order and their state.
 struct SetDeformables {

@@ -79,9 +79,9 @@ void clearExclusions(HostTables& tables, int pairs) {
   resize(tables, sizeFor(pairs));
 }
 
-void setExcluded(HostTables& tables, int a, int b, bool excluded, std::vector<int>* changed) {
+void setExcluded(HostTables& tables, int a, int b, bool excluded, std::vector<int>* changed, int world) {
   SolverData& s = tables.view();
-  const ExcludedPair pair{std::min(a, b), std::max(a, b)};
+  const ExcludedPair pair{std::min(a, b), std::max(a, b), world};
   if (excluded == isExcluded(s, pair)) return;
   const int pairs = tables.excludedPairs + (excluded ? 1 : -1), size = sizeFor(pairs);
   const bool grows = size > s.exclusions;

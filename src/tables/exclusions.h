@@ -9,7 +9,8 @@ namespace rubble::RUBBLE_CORE {
 /// Reserves memory for so many more pairs.
 void reserveExclusions(HostTables& tables, int more);
 /// Adds or removes a pair of ids. `changed` receives the written elements, or every element after growth.
-void setExcluded(HostTables& tables, int a, int b, bool excluded, std::vector<int>* changed = nullptr);
+void setExcluded(HostTables& tables, int a, int b, bool excluded, std::vector<int>* changed = nullptr,
+                 int world = 0);
 /// Empties the table, and makes it as large as so many pairs need.
 void clearExclusions(HostTables& tables, int pairs);
 /// All pairs (low, high), sorted.

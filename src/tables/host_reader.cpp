@@ -19,9 +19,10 @@ Distribution distribution(std::vector<double>& values) {
   return d;
 }
 
-/// Calls visit(pair, manifold) for every pair of the last step that has contact points.
-template <class Visit> void forEachManifold(const SolverData& s, Visit&& visit) {
-  for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
+/// Calls visit(pair, manifold) for every pair of the last step that has contact points, of owners [begin,
+/// end).
+template <class Visit> void forEachManifold(const SolverData& s, int begin, int end, Visit&& visit) {
+  for (int k = s.oldPairOffset[begin]; k < s.oldPairOffset[end]; ++k)
     if (const int m = manifoldOfOld(s, k); m >= 0 && s.oldManifold[m].count > 0 && s.oldPair[k].other >= 0)
       visit(ordered(s.oldPair[k]), s.oldManifold[m]);
 }
@@ -40,7 +41,7 @@ SurfacePoints surfacePoints(const SolverData& s, const OrderedPair& o, const Man
 std::vector<EngineContact> HostReader::contacts() const {
   const SolverData& s = data();
   std::vector<EngineContact> out;
-  forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
+  forEachManifold(s, bodiesBegin(), bodiesEnd(), [&](const OrderedPair& o, const Manifold& m) {
     // a sleeping pair has no rows, but keeps its multipliers
     const bool sleeps = m.row < 0 && (RUBBLE_CORE::isAsleep(s, o.a) || RUBBLE_CORE::isAsleep(s, o.b));
     if (m.row < 0 && !sleeps) return;
@@ -62,7 +63,7 @@ std::vector<EngineContact> HostReader::contacts() const {
 std::vector<EngineTouch> HostReader::touches() const {
   const SolverData& s = data();
   std::vector<EngineTouch> out;
-  forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
+  forEachManifold(s, bodiesBegin(), bodiesEnd(), [&](const OrderedPair& o, const Manifold& m) {
     bool touch = false;
     for (int k = 0; k < m.count; ++k) {
       const SurfacePoints x = surfacePoints(s, o, m, k);
@@ -78,7 +79,7 @@ std::vector<EngineTouch> HostReader::touches() const {
 std::vector<int> HostReader::sleepers() const {
   const SolverData& s = data();
   std::vector<int> out;
-  for (int i = 0; i < s.bodies; ++i)
+  for (int i = bodiesBegin(); i < bodiesEnd(); ++i)
     if (s.asleep[i] != 0 && s.params[i].kind == BodyKind::Dynamic) out.push_back(s.idOf[i]);
   std::sort(out.begin(), out.end());
   return out;
@@ -94,8 +95,8 @@ Quality HostReader::quality() const {
   q.penetration = distribution(depths);
   forEachType(JointTypes{}, [&]<class F>() {
     const int type = typeIndex<F>(JointTypes{});
-    for (int i = 0; i < s.joints[type]; ++i) {
-      if (!active<F>(s, i)) continue;
+    for (int i = 0; i < jointSlots(type); ++i) {
+      if (!active<F>(s, slotOfJoint(type, i))) continue;
       const double gap = jointState(type, i).gap;
       q.jointGapMean += gap;
       q.jointGapMax = std::max(q.jointGapMax, gap);
@@ -104,7 +105,7 @@ Quality HostReader::quality() const {
   });
   if (joints > 0) q.jointGapMean /= joints;
 
-  for (int i = 0; i < s.bodies; ++i) {
+  for (int i = bodiesBegin(); i < bodiesEnd(); ++i) {
     const BodyParams& p = s.params[i];
     if (p.kind != BodyKind::Dynamic) continue;
     const Vec3 w = rotateInverse(s.orientation[i], s.angularVelocity[i]);
@@ -112,7 +113,7 @@ Quality HostReader::quality() const {
     q.kineticEnergy += .5 *
                        (static_cast<double>(p.mass) * v2 + static_cast<double>(dot(w, mul(p.inertia, w))));
     q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) *
-                         dot(Vec3d(s.step->gravity), s.position[i]);
+                         dot(Vec3d(s.stepOf(i).gravity), s.position[i]);
     q.maxSpeed = std::max(q.maxSpeed, std::sqrt(v2));
   }
   return q;

@@ -2,15 +2,18 @@
 /// Reads tables in host memory.
 #include "tables/reader.h"
 #include "tables/table_edit.h"
+#include "tables/world_state.h"
 
 namespace rubble::RUBBLE_CORE {
 
+/// Reads all bodies, or one world of a batch in its own numbers.
 class HostReader final : public TableReader {
  public:
-  explicit HostReader(const HostTables& tables) : tables_(tables) {}
+  explicit HostReader(const HostTables& tables, const WorldPart* world = nullptr)
+      : tables_(tables), world_(world) {}
 
-  BodyState state(int id) const override { return bodyState(tables_, slotOf(tables_, id)); }
-  bool isAsleep(int id) const override { return data().asleep[slotOf(tables_, id)] != 0; }
+  BodyState state(int id) const override { return bodyState(tables_, placeOf(id)); }
+  bool isAsleep(int id) const override { return data().asleep[placeOf(id)] != 0; }
   std::vector<int> sleepers() const override;
   std::vector<EngineContact> contacts() const override;
   std::vector<EngineTouch> touches() const override;
@@ -27,9 +30,29 @@ class HostReader final : public TableReader {
 
  private:
   const SolverData& data() const { return tables_.view(); }
+  int placeOf(int id) const { return world_ ? world_->firstBody + id : slotOf(tables_, id); }
+  int bodiesBegin() const { return world_ ? world_->firstBody : 0; }
+  int bodiesEnd() const { return world_ ? world_->firstBody + world_->bodies : data().bodies; }
+  int verticesBegin() const { return world_ ? world_->firstVertex : 0; }
+  int verticesEnd() const { return world_ ? world_->firstVertex + world_->vertices : data().vertices; }
+  int attachmentsBegin() const { return world_ ? world_->firstAttachment : 0; }
+  int attachmentsEnd() const {
+    return world_ ? world_->firstAttachment + world_->attachments : data().attachments;
+  }
+  int slotOfJoint(int type, int slot) const {
+    return world_ ? world_->joints[type][static_cast<std::size_t>(slot)] : slot;
+  }
+  int jointSlots(int type) const {
+    return world_ ? static_cast<int>(world_->joints[type].size()) : data().joints[type];
+  }
+  /// The owners of point pairs.
+  std::vector<OwnerRange> pointOwners() const {
+    return world_ ? pointOwnersOf(data(), *world_) : std::vector<OwnerRange>{{0, data().owners()}};
+  }
   void addSoftQuality(Quality& quality, std::vector<double>& depths, int& joints) const;
 
   const HostTables& tables_;
+  const WorldPart* world_;  ///< null: all
 };
 
 }  // namespace rubble::RUBBLE_CORE

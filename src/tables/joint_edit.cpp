@@ -159,7 +159,7 @@ void setJoint(HostTables& tables, int slot, const EngineJoint& joint) {
 
 JointState HostReader::jointState(int type, int slot) const {
   JointState state;
-  withJointType(type, [&]<class F>() { measureJoint<F>(data(), slot, state); });
+  withJointType(type, [&]<class F>() { measureJoint<F>(data(), slotOfJoint(type, slot), state); });
   return state;
 }
 
@@ -168,8 +168,10 @@ std::vector<std::pair<int, int>> HostReader::brokenJoints() const {
   std::vector<std::pair<int, int>> out;
   forEachType(JointTypes{}, [&]<class F>() {
     constexpr int kType = typeIndex<F>(JointTypes{});
-    for (int i = 0; i < s.joints[kType]; ++i)
-      if (s.specsOf<F>()[i].alive && s.jointsOf<F>()[i].broken) out.emplace_back(kType, i);
+    for (int i = 0; i < jointSlots(kType); ++i) {
+      const int slot = slotOfJoint(kType, i);
+      if (s.specsOf<F>()[slot].alive && s.jointsOf<F>()[slot].broken) out.emplace_back(kType, i);
+    }
   });
   return out;
 }

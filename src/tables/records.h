@@ -57,12 +57,35 @@ struct EngineTouch {
 /// Queries of one kind, and the shapes that they refer to: convex solids and compounds.
 struct EngineQueries {
   QueryKind kind;
-  std::span<const EngineQuery> queries;
+  std::span<EngineQuery> queries;  ///< a world of a batch adds its number
   std::span<const std::shared_ptr<const CookedShape>> shapes;
 };
 /// Ids of the bodies that query i overlaps: those in [offsets[i], offsets[i + 1]), ascending.
 struct EngineOverlaps {
   std::span<const int> offsets, bodies;
+};
+
+/// What a world of a batch has of its own.
+struct WorldSettings {
+  Vec3 gravity;
+  bool wakeAll = false;   ///< wakes all bodies in its next step
+  double previousDt = 0;  ///< of its last step, 0 before the first [s]
+};
+
+/// The indices of a shape, in the numbers of a world and in the tables.
+struct WorldShape {
+  int base, baseInTables, size;
+};
+
+/// The elements of a world of a batch, in the order of their numbers in it.
+struct WorldLayout {
+  std::vector<int> bodies;  ///< ids in the tables
+  SoftRange first;          ///< of its deformable objects in the tables
+  SoftRange count;          ///< their vertices, elements, edges and faces
+  int firstAttachment = 0, attachments = 0;
+  std::vector<std::vector<int>> joints;  ///< slots by type
+  std::vector<WorldShape> shapes;        ///< ascending in `base`
+  std::vector<int> surfaces;             ///< indices of its materials in the tables
 };
 
 struct EngineSettings {

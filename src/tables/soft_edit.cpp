@@ -64,8 +64,10 @@ void placeAttachments(HostTables& tables, const std::vector<EngineAttachment>& a
     Attachment& to = s.attachment[i];
     to = made(attachments[i]);
     if (attachments[i].previous < 0) continue;
-    const Attachment& from = old[static_cast<std::size_t>(attachments[i].previous)];
-    to.broken = from.broken, to.lambda = from.lambda, to.k = from.k;
+    Attachment kept = old[static_cast<std::size_t>(attachments[i].previous)];
+    std::ranges::copy(to.v, kept.v);
+    kept.body = to.body;
+    to = kept;
   }
 }
 

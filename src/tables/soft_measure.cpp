@@ -7,7 +7,7 @@ namespace rubble::RUBBLE_CORE {
 
 JointState HostReader::attachmentState(int index) const {
   const SolverData& s = data();
-  const Attachment& a = s.attachment[index];
+  const Attachment& a = s.attachment[attachmentsBegin() + index];
   Vec3d gap;
   for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k)
     gap += s.vertexPosition[a.v[k]] * static_cast<double>(a.weight[k]);
@@ -25,9 +25,9 @@ JointState HostReader::attachmentState(int index) const {
 std::vector<EngineVertexContact> HostReader::vertexContacts() const {
   const SolverData& s = data();
   std::vector<EngineVertexContact> out;
-  for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k) {
+  const auto add = [&](int k) {
     const PointContact& p = s.oldPointContact[k];
-    if (!p.active) continue;
+    if (!p.active) return;
     Vec3 t1, t2;
     tangentBasis(p.n, t1, t2);
     double depth;
@@ -58,10 +58,13 @@ std::vector<EngineVertexContact> HostReader::vertexContacts() const {
       depth = static_cast<double>(s.vertexParams[vertex].radius + s.vertexParams[other].radius) -
               length(s.vertexPosition[other] - s.vertexPosition[vertex]);
     }
-    if (depth < 0 && !(p.lambdaN > Real(0))) continue;
-    out.push_back({vertex, p.body < 0 ? -1 : s.idOf[p.body], other, Vec3d(p.n),
+    if (depth < 0 && !(p.lambdaN > Real(0))) return;
+    out.push_back({s.numberOfPoint(vertex), p.body < 0 ? -1 : s.idOf[p.body],
+                   other < 0 ? -1 : s.numberOfPoint(other), Vec3d(p.n),
                    Vec3d(p.n * p.lambdaN + t1 * p.lambda1 + t2 * p.lambda2), depth});
-  }
+  };
+  for (const OwnerRange& owners : s.vertices > 0 ? pointOwners() : std::vector<OwnerRange>{})
+    for (int k = s.oldPointPairOffset[owners.begin]; k < s.oldPointPairOffset[owners.end]; ++k) add(k);
   return out;
 }
 
@@ -69,20 +72,20 @@ void HostReader::addSoftQuality(Quality& q, std::vector<double>& depths, int& jo
   const SolverData& s = data();
   if (s.vertices == 0) return;
   for (const EngineVertexContact& c : vertexContacts()) depths.push_back(std::max(0.0, c.depth));
-  for (int i = 0; i < s.attachments; ++i) {
-    if (!active(s, s.attachment[i])) continue;
+  for (int i = 0; i < attachmentsEnd() - attachmentsBegin(); ++i) {
+    if (!active(s, s.attachment[attachmentsBegin() + i])) continue;
     const double gap = attachmentState(i).gap;
     q.jointGapMean += gap;
     q.jointGapMax = std::max(q.jointGapMax, gap);
     ++joints;
   }
-  for (int v = 0; v < s.vertices; ++v) {
+  for (int v = verticesBegin(); v < verticesEnd(); ++v) {
     if (!isDynamicVertex(s, v)) continue;
     const VertexParams& p = s.vertexParams[v];
     const double v2 = dot(Vec3d(s.vertexVelocity[v]), Vec3d(s.vertexVelocity[v]));
     q.kineticEnergy += .5 * static_cast<double>(p.mass) * v2;
     q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) *
-                         dot(Vec3d(s.step->gravity), s.vertexPosition[v]);
+                         dot(Vec3d(s.stepOfPoint(v).gravity), s.vertexPosition[v]);
     q.maxSpeed = std::max(q.maxSpeed, std::sqrt(v2));
   }
 }
@@ -90,6 +93,7 @@ void HostReader::addSoftQuality(Quality& q, std::vector<double>& depths, int& jo
 void HostReader::vertexStates(int first, std::span<rubble::Vec3> positions,
                               std::span<rubble::Vec3> velocities) const {
   const SolverData& s = data();
+  first += verticesBegin();
   for (std::size_t i = 0; i < positions.size(); ++i)
     positions[i] = s.vertexPosition[static_cast<std::size_t>(first) + i];
   for (std::size_t i = 0; i < velocities.size(); ++i)
@@ -100,6 +104,7 @@ std::vector<char> HostReader::elementsAlive(int type, int first, int count) cons
   std::vector<char> alive(static_cast<std::size_t>(count));
   forEachType(ElementTypes{}, [&]<class F>() {
     if (typeIndex<F>(ElementTypes{}) != type) return;
+    if (world_) first += world_->firstElement[type];
     for (int i = 0; i < count; ++i)
       alive[static_cast<std::size_t>(i)] = data().elementsOf<F>()[first + i].alive != 0;
   });

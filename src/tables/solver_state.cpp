@@ -95,8 +95,9 @@ std::vector<SolverState> HostReader::bodySolverStates() const {
   for (int i = 0; i < s.bodies; ++i)
     if (s.params[i].kind == BodyKind::Dynamic) bodies[static_cast<std::size_t>(i)].color = s.color[i];
   addRows(s, bodies, vertices);
-  std::vector<SolverState> out(static_cast<std::size_t>(tables_.bodyIds));
-  for (std::size_t id = 0; id < out.size(); ++id) out[id] = bodies[static_cast<std::size_t>(s.placeOf[id])];
+  std::vector<SolverState> out(static_cast<std::size_t>(world_ ? world_->bodies : tables_.bodyIds));
+  for (std::size_t id = 0; id < out.size(); ++id)
+    out[id] = bodies[static_cast<std::size_t>(placeOf(static_cast<int>(id)))];
   return out;
 }
 
@@ -107,7 +108,7 @@ std::vector<SolverState> HostReader::vertexSolverStates() const {
   for (int v = 0; v < s.vertices; ++v)
     if (isDynamicVertex(s, v)) vertices[static_cast<std::size_t>(v)].color = s.vertexColor[v];
   addRows(s, bodies, vertices);
-  return vertices;
+  return {vertices.begin() + verticesBegin(), vertices.begin() + verticesEnd()};
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -49,6 +49,7 @@ void clearBodySlots(HostTables& tables, int begin) {
   SolverData& s = tables.view();
   for (int i = begin; i < s.bodies; ++i) {
     s.idOf[i] = s.placeOf[i] = i;
+    s.worldOfBody[i] = 0;
     s.params[i] = {};
     s.nodeOfBody[i] = -1;
     s.extras[i] = {};
@@ -152,7 +153,7 @@ void setBodyState(HostTables& tables, int slot, const BodyState& state) {
 
 void forgetContacts(HostTables& tables, std::span<const int> ids) {
   SolverData& s = tables.view();
-  const auto goes = [&](int slot) { return slot >= 0 && std::ranges::binary_search(ids, s.idOf[slot]); };
+  const auto goes = [&](int slot) { return slot >= 0 && std::ranges::binary_search(ids, tableId(s, slot)); };
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
     if (goes(s.oldPair[k].owner) || goes(s.oldPair[k].other)) forgetOldPair(s, k);
   for (const int id : ids) forgetVertexContacts(tables, slotOf(tables, id));
@@ -182,7 +183,7 @@ void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change) {
 
 bool inOtherOrder(const SolverData& s) {
   for (int i = 0; i < s.bodies; ++i)
-    if (s.idOf[i] != i) return true;
+    if (s.placeOf[i] != i) return true;
   return false;
 }
 
@@ -191,10 +192,11 @@ void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, co
   for (int k = 0; k < static_cast<int>(rows.shape[0]); ++k) scatter(tables.view(), k);
 }
 
-void setPlanes(HostTables& tables, const std::vector<int>& slots) {
-  tables.reserve(Per::Plane, static_cast<int>(slots.size()));
-  std::ranges::copy(slots, &tables.view().planeBody[0]);
-  tables.view().planes = static_cast<int>(slots.size());
+void setPlanes(HostTables& tables, std::span<const int> ids, std::span<const int> firstOfWorld) {
+  SolverData& s = tables.view();
+  s.planes = static_cast<int>(ids.size());
+  for (int i = 0; i < s.planes; ++i) s.planeBody[i] = slotOf(tables, ids[static_cast<std::size_t>(i)]);
+  std::ranges::copy(firstOfWorld, &s.firstPlane[0]);
 }
 
 }  // namespace rubble::RUBBLE_CORE

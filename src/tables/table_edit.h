@@ -25,13 +25,16 @@ void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
 /// Clears the contacts of bodies. `ids`: ascending.
 void forgetContacts(HostTables& tables, std::span<const int> ids);
-void setPlanes(HostTables& tables, const std::vector<int>& slots);
+/// `firstOfWorld`: of a batch.
+void setPlanes(HostTables& tables, std::span<const int> ids, std::span<const int> firstOfWorld);
 void setJointCount(HostTables& tables, int type, int ids);
 /// Bodies of joints are ids.
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
 void editJoint(HostTables& tables, int slot, const EngineJoint& joint);
 /// Negative ids (no body) are unchanged.
 inline int slotOf(const HostTables& tables, int id) { return id < 0 ? id : tables.view().placeOf[id]; }
+/// Of the body in a slot. In a batch idOf counts within a world, and bodies are where their ids are.
+inline int tableId(const SolverData& s, int slot) { return s.placeOf[slot] == slot ? slot : s.idOf[slot]; }
 
 BodyState bodyState(const HostTables& tables, int slot);
 void setBodyState(HostTables& tables, int slot, const BodyState& state);

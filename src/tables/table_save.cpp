@@ -1,3 +1,4 @@
+#include "tables/clean_copy.h"
 #include "tables/exclusions.h"
 #include "tables/soft_edit.h"
 
@@ -102,22 +103,6 @@ template <class Visit> void forEachKept(const HostTables& tables, Visit&& visit)
   });
 }
 
-/// Copies elements with zeroed padding, where the compiler supports it. Padding carries no state but is
-/// hashed.
-template <class T> void copyClean(std::byte* to, const Array<T>& from, std::size_t bytes) {
-#if defined(__has_builtin)
-#if __has_builtin(__builtin_clear_padding)
-  for (std::size_t i = 0; i < bytes / sizeof(T); ++i) {
-    T element = from[i];
-    __builtin_clear_padding(&element);
-    std::memcpy(to + i * sizeof(T), &element, sizeof(T));
-  }
-  return;
-#endif
-#endif
-  if (bytes > 0) std::memcpy(to, from, bytes);
-}
-
 struct SavedCounts {
   int bodies, planes, pairs, activePairs, manifolds, exclusions;
   int shapeVectors, shapeIndices, shapeParts, surfaces, rolledBefore, rollers;
@@ -218,7 +203,7 @@ std::vector<std::byte> saveTables(const HostTables& tables) {
     if constexpr (isExclusions<T>)
       saveExclusions(tables, to);
     else
-      copyClean(to, s.*array.member, bytes);
+      copyClean(to, static_cast<const T*>(s.*array.member), bytes);
     to += bytes;
   });
   return out;

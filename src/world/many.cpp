@@ -154,7 +154,7 @@ ArrayView World::array(StateArray which) const {
 
 std::int64_t World::epoch() const { return impl_->epoch; }
 
-void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
+void checkScatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
   checks::enumeration(which, StateArray::Torque, "array");
   const std::string_view rowType = rows.typestr, type = values.typestr;
   const int numbers = numbersOf(which);
@@ -165,11 +165,8 @@ void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& va
          "(" + std::to_string(rows.shape[0]) + ", " + std::to_string(numbers) + ")", shapeText(values));
   if (rows.shape[0] == 0) return;
   expect(rows.data && values.data, "rows, values", "memory", "none");
-  withMemory("scatter", [&] { impl_->flush(); });
-  const bool onDevice = impl_->engine->poseCopies() != nullptr;
   expect(rows.device == values.device, "rows, values", "both on the host or both on the device",
          "one of each");
-  expect(onDevice || !values.device, "values", "host memory", "memory of a device");
   if (!values.device)
     for (std::int64_t k = 0; k < values.shape[0]; ++k) {
       const Path list("values"), path = list[static_cast<std::size_t>(k)];
@@ -179,6 +176,14 @@ void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& va
                           {numberAt(values, k, 1), numberAt(values, k, 2), numberAt(values, k, 3)}},
                          path);
     }
+}
+
+void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
+  checkScatter(which, rows, values);
+  if (rows.shape[0] == 0) return;
+  withMemory("scatter", [&] { impl_->flush(); });
+  const bool onDevice = impl_->engine->poseCopies() != nullptr;
+  expect(onDevice || !values.device, "values", "host memory", "memory of a device");
   withMemory("scatter", [&] { impl_->engine->scatter(which, rows, values); });
   impl_->pass(inputs::Scatter{which, rows, values});
 }

@@ -14,14 +14,14 @@ bool isPlain(const Material& m) {
          m.rollingFriction == 0 && m.torsionalFriction == 0 && m.surfaceVelocity == Vec3{};
 }
 
-bool same(const Material& a, const Material& b) {
+}  // namespace
+
+bool sameMaterial(const Material& a, const Material& b) {
   return a.staticFriction == b.staticFriction && a.dynamicFriction == b.dynamicFriction &&
          a.restitution == b.restitution && a.frictionCombine == b.frictionCombine &&
          a.restitutionCombine == b.restitutionCombine && a.rollingFriction == b.rollingFriction &&
          a.torsionalFriction == b.torsionalFriction && a.surfaceVelocity == b.surfaceVelocity;
 }
-
-}  // namespace
 
 const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape) {
   const auto found = std::find_if(entries.begin(), entries.end(), [&](const CookedEntry& e) {
@@ -36,7 +36,10 @@ std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, co
   for (const std::span<const CookedEntry> entries :
        {std::span(registry.shapes), std::span<const CookedEntry>(fresh)})
     if (const CookedEntry* entry = findCooked(entries, shape)) return entry->cooked;
+  if (cooked)
+    if (const CookedEntry* entry = findCooked(*cooked, shape)) return entry->cooked;
   fresh.push_back({shape, std::make_shared<const CookedShape>(cook(shape, path)), 0});
+  if (cooked) cooked->push_back(fresh.back());
   return fresh.back().cooked;
 }
 
@@ -50,7 +53,7 @@ int TableAdditions::surfaceOf(const Material& material) {
   int first = 0;
   for (const std::vector<Material>* list : {&registry_.surfaces, &std::as_const(surfaces_)}) {
     const auto found = std::find_if(list->begin(), list->end(),
-                                    [&](const Material& m) { return same(m, material); });
+                                    [&](const Material& m) { return sameMaterial(m, material); });
     if (found != list->end()) return first + static_cast<int>(found - list->begin());
     first += static_cast<int>(list->size());
   }

@@ -11,8 +11,6 @@
 
 namespace rubble {
 
-namespace {
-
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings);
   if (options.backend == "reference") return f64::makeCpuEngine(options.threads, options.timings);
@@ -30,7 +28,12 @@ std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   throw Error("backend", "one of " + names, "\"" + options.backend + "\"");
 }
 
-}  // namespace
+void validate(const WorldOptions& options) {
+  validate(options.params);
+  if (options.threads < 0 || options.threads > kMostThreads)
+    throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
+                std::to_string(options.threads));
+}
 
 std::vector<std::string> backends() {
   std::vector<std::string> names = {"cpu", "reference", "lockstep"};
@@ -46,39 +49,40 @@ double StepReport::stageMs(const std::string& name) const {
 
 World::World(const Scene& scene, const WorldOptions& options) try : impl_(std::make_unique<Impl>()) {
   validate(scene);
-  validate(options.params);
-  if (options.threads < 0 || options.threads > kMostThreads)
-    throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
-                std::to_string(options.threads));
+  validate(options);
   impl_->params = options.params;
   impl_->engine = makeEngine(options);
   impl_->doublePrecision = options.backend == "reference";
   impl_->wantsEvents = options.events;
   impl_->log = options.log;
-  Registry& r = impl_->registry;
+  impl_->build(scene);
+} catch (const std::bad_alloc&) {
+  throw OutOfMemory("World");
+}
+
+void World::Impl::build(const Scene& scene) {
+  Registry& r = registry;
   r.gravity = scene.gravity;
-  impl_->configure(false);
-  r.sceneBodies = impl_->addBodies(scene.bodies, "bodies");
+  configure(false);
+  r.sceneBodies = addBodies(scene.bodies, "bodies");
   const auto idOf = [&](int body) {
     return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)];
   };
   for (const JointDef& joint : scene.joints)
-    impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.frameBodyA),
-                    idOf(joint.frameBodyB));
-  for (const auto& [a, b] : scene.exclusions) impl_->exclude(idOf(a), idOf(b), true);
+    addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.frameBodyA), idOf(joint.frameBodyB));
+  for (const auto& [a, b] : scene.exclusions) exclude(idOf(a), idOf(b), true);
   for (std::size_t i = 0; i < scene.deformables.size(); ++i)
-    r.sceneSofts.push_back(impl_->addSoft(scene.deformables[i], Path("deformables")[i]));
+    r.sceneSofts.push_back(addSoft(scene.deformables[i], Path("deformables")[i]));
   const auto softOf = [&](int object) {
     return object < 0 ? DeformableId{} : r.sceneSofts[static_cast<std::size_t>(object)];
   };
   for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
     const AttachmentDef& a = scene.attachments[i];
-    impl_->addAttachment(a, softOf(a.object), idOf(a.body), softOf(a.otherObject), Path("attachments")[i]);
+    addAttachment(a, softOf(a.object), idOf(a.body), softOf(a.otherObject), Path("attachments")[i]);
   }
-} catch (const std::bad_alloc&) {
-  throw OutOfMemory("World");
 }
 
+World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
@@ -98,21 +102,25 @@ StepReport World::step() {
     if (out.sorted) impl_->engine->sortBodies(), ++impl_->epoch;
     impl_->sortSoon = false;
     impl_->engine->step(out);
-    // the step is taken; what follows reports it
-    ++r.step;
-    r.time += impl_->params.dt;
-    r.hasUnlistedBreaks = out.brokenJoints > 0;
-    impl_->events = {};
-    impl_->difference = out.difference;
-    if (r.hasUnlistedBreaks) impl_->findBroken(out.broken);
-    r.hasUnlistedBreaks = false;
-    impl_->collectEvents(out);
+    impl_->finishStep(out);
     return out;
   });
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   impl_->pass(inputs::Step{});
   if (impl_->log) withMemory("log", [&] { logStep(report, impl_->log); });
   return report;
+}
+
+void World::Impl::finishStep(StepReport& report) {
+  // the step is taken; what follows reports it
+  ++registry.step;
+  registry.time += params.dt;
+  registry.hasUnlistedBreaks = report.brokenJoints > 0;
+  events = {};
+  difference = report.difference;
+  if (registry.hasUnlistedBreaks) findBroken(report.broken);
+  registry.hasUnlistedBreaks = false;
+  collectEvents(report);
 }
 
 void World::sortBodies() {
@@ -123,8 +131,13 @@ void World::sortBodies() {
 const Params& World::params() const { return impl_->params; }
 void World::setParams(const Params& params) {
   validate(params);
-  impl_->params = params;
-  impl_->configure(true);
+  const Params before = std::exchange(impl_->params, params);
+  try {
+    impl_->configure(true);
+  } catch (...) {
+    impl_->params = before;
+    throw;
+  }
   impl_->pass(inputs::SetParams{params});
 }
 Vec3 World::gravity() const { return impl_->registry.gravity; }
@@ -270,12 +283,16 @@ void World::restore(const Snapshot& snapshot) {
     impl_->engine->restore(*snapshot.data->engine);
     return copy;
   });
-  impl_->registry = std::move(registry);
-  impl_->params = snapshot.data->params;
-  ++impl_->epoch;
-  impl_->configure(false);
-  impl_->softChanged = false;
+  impl_->restoreRecords(std::move(registry), snapshot.data->params);
   impl_->pass(inputs::Restore{snapshot});
+}
+
+void World::Impl::restoreRecords(Registry&& from, const Params& own) {
+  registry = std::move(from);
+  if (!inBatch) params = own;
+  ++epoch;
+  configure(false);
+  softChanged = false;
 }
 
 std::string World::firstDifference() const { return impl_->difference; }

@@ -95,8 +95,16 @@ struct ReadyBody {
 /// Expectation in the error for a duplicate name.
 inline constexpr const char* kOwnName = "a name that no other body has";
 
+/// Throws Error unless World::scatter can take these arrays.
+void checkScatter(StateArray which, const ArrayView& rows, const ArrayView& values);
+
 /// Null if no shape has the same geometry.
 const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape);
+
+bool sameMaterial(const Material& a, const Material& b);
+
+/// Throws Error if no such engine can be made.
+std::unique_ptr<Engine> makeEngine(const WorldOptions& options);
 
 /// A sanity bound: the thread pool itself has none.
 inline constexpr int kMostThreads = 1024;
@@ -212,7 +220,9 @@ struct World::Impl {
   bool wantsEvents = false;
   LogSink log;
   inputs::Sink inputs;
-  std::string difference;  ///< of the reports
+  std::string difference;                            ///< of the reports
+  bool inBatch = false;                              ///< parameters are those of all worlds of a batch
+  std::shared_ptr<std::vector<CookedEntry>> cooked;  ///< shapes of other worlds of the batch, or null
   Events events;
 
   /// Tells the sink of inputs, if there is one, of a call.
@@ -220,6 +230,12 @@ struct World::Impl {
     if (inputs) inputs(inputs::Call(std::forward<Call>(call)));
   }
 
+  /// Adds everything but events.
+  void build(const Scene& scene);
+  /// After a step that takes part in no other.
+  void finishStep(StepReport& report);
+  /// Takes over everything of a snapshot but the state of its engine.
+  void restoreRecords(Registry&& from, const Params& own);
   /// The cooked shape. Geometry that the engine or `fresh` already has is not cooked again.
   std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const Path& path,
                                                std::vector<CookedEntry>& fresh) const;
@@ -259,7 +275,7 @@ struct World::Impl {
   void exclude(BodyId a, BodyId b, bool excluded);
   void requireAlive(BodyId id) const;
   /// In the engine frame.
-  BodyState bodyState(BodyId id) const { return engine->read(Fetch::Body, id.index).state(id.index); }
+  BodyState bodyState(BodyId id) const { return engine->bodyState(id.index); }
   void requireAlive(JointId id) const;
   PoseCopies& poseCopies();
   DeformableId addSoft(const Deformable& def, const Path& path);

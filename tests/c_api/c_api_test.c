@@ -43,6 +43,32 @@ static void anInvalidBodyIsNamedAndLeavesTheSceneAsItWas(void) {
   rb_scene_destroy(scene);
 }
 
+static void aWorldOfManyStaysWhereItIsLeftOut(void) {
+  rb_scene* scene = sceneOfACrate();
+  rb_worlds* worlds = NULL;
+  rb_world *first = NULL, *last = NULL;
+  rb_snapshot* start = NULL;
+  const uint8_t active[3] = {1, 1, 0};
+  const int32_t all[3] = {0, 1, 2};
+  uint64_t a = 0, b = 0;
+  int32_t number = -1;
+  CHECK(rb_worlds_create("{\"threads\": 1}", &worlds) == RB_OK);
+  CHECK(rb_worlds_add(worlds, scene, 3, &number) == RB_OK && number == 0 && rb_worlds_count(worlds) == 3);
+  CHECK(rb_worlds_world(worlds, 0, &first) == RB_OK && rb_worlds_world(worlds, 2, &last) == RB_OK);
+  CHECK(rb_worlds_world(worlds, 3, &last) == RB_INVALID);
+  CHECK(rb_world_snapshot(first, &start) == RB_OK);
+  CHECK(rb_worlds_step(worlds, 5, active, NULL) == RB_OK);
+  CHECK(rb_world_step_count(first) == 5 && rb_world_step_count(last) == 0);
+  CHECK(rb_worlds_reset(worlds, all, 3, (const rb_snapshot* const*)&start, 1) == RB_OK);
+  CHECK(rb_world_hash(first, &a) == RB_OK && rb_world_hash(last, &b) == RB_OK && a == b);
+  rb_worlds_destroy(worlds);
+  CHECK(rb_world_step(first, NULL) == RB_OK); /* a world outlives its batch */
+  rb_snapshot_destroy(start);
+  rb_world_destroy(first);
+  rb_world_destroy(last);
+  rb_scene_destroy(scene);
+}
+
 static void noCallDiesOfANullPointer(void) {
   rb_world* world = NULL;
   CHECK(rb_world_create(NULL, NULL, &world) == RB_INVALID);
@@ -133,6 +159,7 @@ static void aRegistrySceneIsJudged(void) {
 int main(void) {
   CHECK(rb_api_version() == RB_API_VERSION);
   anInvalidBodyIsNamedAndLeavesTheSceneAsItWas();
+  aWorldOfManyStaysWhereItIsLeftOut();
   noCallDiesOfANullPointer();
   aCrateFallsAndRests();
   aSnapshotContinuesBitForBit();

@@ -5,3 +5,4 @@
 #include <rubble/c/scene.h>
 #include <rubble/c/types.h>
 #include <rubble/c/world.h>
+#include <rubble/c/worlds.h>

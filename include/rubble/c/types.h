@@ -12,7 +12,7 @@
 #endif
 
 /// Version of this interface. It changes when a function or a struct changes.
-#define RB_API_VERSION 1
+#define RB_API_VERSION 2
 
 #ifdef __cplusplus
 extern "C" {
@@ -38,6 +38,7 @@ typedef struct rb_error {
 /// Opaque objects. A null pointer may be destroyed.
 typedef struct rb_scene rb_scene;
 typedef struct rb_world rb_world;
+typedef struct rb_worlds rb_worlds;
 typedef struct rb_shape rb_shape;
 typedef struct rb_snapshot rb_snapshot;
 typedef struct rb_run rb_run;

@@ -5,8 +5,6 @@
 
 namespace rubble::RUBBLE_CORE {
 
-template void step(CpuExecutor&);
-
 void beginStep(SolverData& s, const EngineSettings& settings, double previousDt) {
   *s.counters = {};
   s.plan = stepPlan(settings.params);
@@ -56,15 +54,29 @@ void CpuEngine::step(StepReport& report) {
   }
 }
 
+void CpuEngine::beginStep() {
+  SolverData& s = executor_.view();
+  RUBBLE_CORE::beginStep(s, settings_, previousDt_);
+  for (std::size_t w = 0; w < worlds_.size(); ++w) {
+    StepConstants& c = s.step[w];
+    c = s.step[0];
+    setGravity(c, settings_.params, worlds_[w].gravity);
+    c.stiffnessRescale = stiffnessRescale(settings_.params, worlds_[w].previousDt);
+    c.wakeAll = settings_.wakeAll || worlds_[w].wakeAll;
+  }
+}
+
 void CpuEngine::takeStep(StepReport& report) {
   SolverData& s = executor_.view();
   planTrees(tables());
   executor_.run([&] {
     for (int k = 0; k < settings_.params.substeps; ++k) {
-      beginStep(s, settings_, previousDt_);
+      beginStep();
       rubble::RUBBLE_CORE::step(executor_);
       s.rolledBefore = s.rolls;
       previousDt_ = settings_.params.dt / settings_.params.substeps;
+      for (std::size_t w = 0; w < worlds_.size(); ++w)
+        if (!s.pausing || s.paused[w] == 0) worlds_[w].previousDt = previousDt_, worlds_[w].wakeAll = false;
     }
   });
   endForces(tables());

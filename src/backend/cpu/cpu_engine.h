@@ -1,5 +1,7 @@
 #pragma once
 /// An engine whose tables are in host memory.
+#include <optional>
+
 #include "backend/cpu/cpu_executor.h"
 #include "backend/cpu/host_arrays.h"
 #include "backend/observable_engine.h"
@@ -10,7 +12,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Instantiated in cpu_engine.cpp only: the step dominates the compile time of the library.
+/// Instantiated in cpu_step.cpp only: the step dominates the compile time of the library.
 extern template void step(CpuExecutor&);
 
 /// Plans the joint trees of edited bodies and joints.
@@ -29,7 +31,7 @@ void sortBodiesOf(CpuExecutor& executor);
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt);
 void loadState(HostTables& tables, double& previousDt, std::span<const std::byte> data);
 
-class CpuEngine final : public ObservableEngine {
+class CpuEngine final : public ObservableEngine, public BatchEngine {
  public:
   CpuEngine(int threads, bool timings) : executor_(threads, timings) {}
 
@@ -40,7 +42,7 @@ class CpuEngine final : public ObservableEngine {
   void apply(std::span<const Edit> edits) override { RUBBLE_CORE::apply(tables(), edits); }
   void step(StepReport& report) override;
   void sortBodies() override {
-    beginStep(tables().view(), settings_, previousDt_);
+    RUBBLE_CORE::beginStep(tables().view(), settings_, previousDt_);
     sortBodiesOf(executor_);
   }
   const TableReader& read(Fetch, int) override { return reader_; }
@@ -63,12 +65,30 @@ class CpuEngine final : public ObservableEngine {
   void restore(const EngineSnapshot& snapshot) override {
     loadState(tables(), previousDt_, snapshot.bytes());
   }
+  BatchEngine* batch() override { return this; }
+  void setLayout(std::span<const WorldLayout> worlds, std::span<const int> spare) override;
+  const WorldSettings& settingsOf(int world) const override {
+    return worlds_[static_cast<std::size_t>(world)];
+  }
+  void setSettings(int world, const WorldSettings& settings) override {
+    worlds_[static_cast<std::size_t>(world)] = settings;
+    tables().view().step[world].gravity = Vec3(settings.gravity);
+  }
+  void stepWorlds(StepReport& report, std::span<const char> paused) override;
+  const TableReader& readWorld(int world) override {
+    return worldReader_.emplace(executor_.tables(), &parts_[static_cast<std::size_t>(world)]);
+  }
+  std::vector<std::byte> takeWorld(int world) override {
+    return RUBBLE_CORE::takeWorld(tables(), parts_[static_cast<std::size_t>(world)]);
+  }
+  void putWorlds(std::span<const int> worlds, std::span<const std::span<const std::byte>> states) override;
   void observe(KernelObserver observer) override { executor_.observe(std::move(observer)); }
   const HostTables& tablesNow() override { return executor_.tables(); }
   HostTables& tables() { return executor_.tables(); }
 
  private:
   void takeStep(StepReport& report);
+  void beginStep();
 
   CpuExecutor executor_;
   HostReader reader_{executor_.tables()};
@@ -76,6 +96,9 @@ class CpuEngine final : public ObservableEngine {
   HostQueries queries_;
   EngineSettings settings_;
   double previousDt_ = 0;
+  std::vector<WorldSettings> worlds_;  ///< of a batch
+  std::vector<WorldPart> parts_;
+  std::optional<HostReader> worldReader_;
 };
 
 }  // namespace rubble::RUBBLE_CORE

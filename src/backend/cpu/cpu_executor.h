@@ -18,7 +18,7 @@
 
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
-#include "backend/observable_engine.h"
+#include "backend/kernel_observer.h"
 #include "stages/step.h"
 #include "tables/host_tables.h"
 #include "tables/state_rows.h"

@@ -119,7 +119,7 @@ class CudaEngine final : public ObservableEngine, private PoseCopies {
     e.keepsState ? mirror_.specWritten(type, e.slot) : mirror_.jointWritten(type, e.slot);
   }
   void write(const SetExcluded& e) {
-    setExcluded(host(), e.a, e.b, e.excluded, &mirror_.exclusionsWritten());
+    setExcluded(host(), e.a, e.b, e.excluded, &mirror_.exclusionsWritten(), e.world);
   }
   /// Rewrites the lists of all objects: everything is fetched, edited and uploaded.
   void write(const SetDeformables& e) {

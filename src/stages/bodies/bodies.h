@@ -27,7 +27,7 @@ RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
 struct PredictBodies {
   static constexpr const char* kStage = "predict";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const StepConstants c = *s.step;
+    const StepConstants c = s.stepOf(i);
     const BodyParams& p = s.params[i];
     Vec3 v = s.velocity[i], w = s.angularVelocity[i];
     s.fast[i] = 0;

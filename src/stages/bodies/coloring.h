@@ -6,10 +6,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Priority of nodes of the graph: bodies by their ids, vertices by kVertexNode + index.
+/// Priority of nodes of the graph: bodies by their ids, vertices by kVertexNode + their number in their
+/// world.
 RUBBLE_HD inline bool outranks(const SolverData& s, int a, int b) {
   const auto name = [&](int node) {
-    return static_cast<std::uint32_t>(node >= kVertexNode ? node : s.idOf[node]);
+    return static_cast<std::uint32_t>(node >= kVertexNode ? kVertexNode + s.numberOfPoint(node - kVertexNode)
+                                                          : s.idOf[node]);
   };
   const std::uint32_t na = name(a), nb = name(b), ha = hash32(na), hb = hash32(nb);
   return ha != hb ? ha > hb : na > nb;

@@ -29,7 +29,8 @@ RUBBLE_HD inline PointSupport pointSupport(const SolverData& s, const ContactRow
                                            const Vec3& t2, int k, bool corrects) {
   const PointLoad& l = r.load[k];
   const Vec3 onB = l.lambdaN * r.n + l.lambda1 * t1 + l.lambda2 * t2;
-  return {l.lambdaN, dot(onB, s.step->up), corrects ? l.lambdaN * max(r.place[k].c0, Real(0)) : Real(0)};
+  return {l.lambdaN, dot(onB, s.stepOf(r.a).up),
+          corrects ? l.lambdaN * max(r.place[k].c0, Real(0)) : Real(0)};
 }
 RUBBLE_HD inline Support supportOf(const ContactRows& r, const PointSupport& sum) {
   return {sum.load > Real(0) ? (sum.moment / sum.load) * r.n : Vec3{0, 0, 0}, sum.weight};
@@ -68,7 +69,7 @@ struct FindCorrections {
       borne += weight;
     }
     // the part of the weight that joints support counts as motionless
-    borne = max(borne, -s.params[i].mass * dot(s.step->gravity, s.step->up));
+    borne = max(borne, -s.params[i].mass * dot(s.stepOf(i).gravity, s.stepOf(i).up));
     const Vec3 correction = borne > Real(0) ? sum * (Real(1) / borne) : Vec3{0, 0, 0};
     s.nextCorrection[i] = isFinite(correction) ? correction : Vec3{0, 0, 0};
   }

@@ -56,8 +56,8 @@ RUBBLE_HD inline void reachBody(const SolverData& s, int body, int how) {
 struct FindBounces {
   static constexpr const char* kStage = "bounce";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const StepConstants& c = *s.step;
     const ContactRows& r = s.contact[i];
+    const StepConstants& c = s.stepOf(r.a);
     Bounce& bounce = s.bounce[i];
     const Impact impact(s, r);
     const Displacement toA = targetDisplacement(s, r.a), toB = targetDisplacement(s, r.b);
@@ -197,7 +197,7 @@ struct CheckBounces {
     constexpr Real kUnexplained = Real(.2);
     const Real off = meanClosing(impact, motionOf(s, r.a), motionOf(s, r.b)) - bounce.start;
     const Real allowed = kUnexplained * absOf(bounce.start) + 2 * absOf(bounce.change) +
-                         impactSpeed(*s.step, r.length) / 2;
+                         impactSpeed(s.stepOf(r.a), r.length) / 2;
     if (absOf(off) <= allowed) return;
     reachBody(s, r.a, kAsSolved), reachBody(s, r.b, kAsSolved);
     atomicCount(&s.counters->bounceBound, 1);

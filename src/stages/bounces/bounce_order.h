@@ -38,14 +38,14 @@ struct ProposeBounces {
     bounce.time = -1;
     if (isAsSolved(s, r)) {
       if (!(bounce.state & kBounceSeed) || (bounce.state & kBounceActed)) return;
-      bounce.time = max(bounce.gap, Real(0)) / max(bounce.start, impactSpeed(*s.step, r.length));
+      bounce.time = max(bounce.gap, Real(0)) / max(bounce.start, impactSpeed(s.stepOf(r.a), r.length));
     } else {
       const Impact impact(s, r);
       const BodyMotion a = motionOf(s, r.a), b = motionOf(s, r.b);
       Real fastest = 0;
       for (int k = 0; k < kLanes; ++k)
         if (actsAt(r, k)) fastest = max(fastest, impact.closing(k, a, b));
-      if (!(fastest > kBounceRest * impactSpeed(*s.step, r.length))) return;
+      if (!(fastest > kBounceRest * impactSpeed(s.stepOf(r.a), r.length))) return;
       bounce.time = max(bounce.gap, Real(0)) / fastest;
     }
     if (s.counters->bounceRounds < kBounceRounds) atomicCount(&s.counters->bounceLeft, 1);
@@ -136,7 +136,7 @@ struct ActBounces {
     if (!(sum > Real(0)) || !(stiff > Real(0)) || !(work > Real(0))) return;
     const Real closing = work / sum;
     Real back = 0;
-    if (r.restitution > Real(0) && closing > impactSpeed(*s.step, r.length)) {
+    if (r.restitution > Real(0) && closing > impactSpeed(s.stepOf(r.a), r.length)) {
       const bool asPredicted = (bounce.state & kBounceSeed) && !(bounce.state & kBounceActed);
       back = asPredicted ? bounceSpeed(r.restitution, closing, bounce, s.step->inverseDt) / closing
                          : r.restitution;

@@ -27,10 +27,11 @@ RUBBLE_HD inline bool shareCell(const StepConstants& c, const Vec3d& a, const Ve
 RUBBLE_HD inline int finestSharedLevel(const SolverData& s, int a, int b) {
   constexpr double kHalfDoubling = 1.41421356;
   const Vec3d at = placeOf(s, a), bt = placeOf(s, b);
+  const StepConstants& step = s.step[worldOfNode(s, a)];
   const double larger = static_cast<double>(max(radiusOf(s, a), radiusOf(s, b)));
-  const int finest = std::ilogb(kHalfDoubling * kFinestCell * larger * s.step->perFall);
+  const int finest = std::ilogb(kHalfDoubling * kFinestCell * larger * step.perFall);
   int level = 0;
-  while (level < kCoarseLevels && !shareCell(*s.step, at, bt, finest + level * kCellDoublings)) ++level;
+  while (level < kCoarseLevels && !shareCell(step, at, bt, finest + level * kCellDoublings)) ++level;
   return level;
 }
 

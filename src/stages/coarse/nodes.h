@@ -10,6 +10,10 @@ RUBBLE_HD inline bool mayJoin(const SolverData& s, int node) {
   return node >= s.bodies || s.params[node].kind == BodyKind::Dynamic;
 }
 
+RUBBLE_HD inline int worldOfNode(const SolverData& s, int node) {
+  return node < s.bodies ? s.worldOf(node) : s.worldOfPoint(s.softNode[node - s.bodies].first);
+}
+
 /// The node of a vertex, -1 if it has none; such a vertex counts as fixed.
 RUBBLE_HD inline int nodeOfVertex(const SolverData& s, int v) {
   const int softNode = s.vertexParams[v].softNode;

@@ -137,11 +137,12 @@ RUBBLE_HD inline Real fastestPoint(const SolverData& s, const Manifold& m, const
                                    Real length) {
   Real fastest = 0;
   const int a = p.bodies.a, b = p.bodies.b;
-  if (!(pairSpeed(s, a, b, s.params[a], s.params[b]).closing > impactSpeed(*s.step, length))) return fastest;
+  if (!(pairSpeed(s, a, b, s.params[a], s.params[b]).closing > impactSpeed(s.stepOf(a), length)))
+    return fastest;
   for (int k = 0; k < m.count; ++k) {
     const PointAt point = pointAt(m, k, n, p.qa, p.qb, p.t);
     const Real closing = closingSpeed(s, p.bodies, n, point.lever, p.t);
-    if (hits(*s.step, closing, point.depth, length)) fastest = max(fastest, closing);
+    if (hits(s.stepOf(a), closing, point.depth, length)) fastest = max(fastest, closing);
   }
   return fastest;
 }
@@ -176,10 +177,10 @@ RUBBLE_HD inline Real largestLoad(const SolverData& s, const OrderedPair& o, Rea
 
 /// Initializes the rows of manifold i except for its points. `r` must be all zeros.
 RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) {
-  const StepConstants c = *s.step;
   const Manifold& m = s.manifold[i];
   const Pair& pair = s.pair[s.activePair[i]];
   const OrderedPair o = ordered(pair);
+  const StepConstants c = s.stepOf(o.a);
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   PairRows p;
   p.bodies = o;
@@ -215,8 +216,8 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) 
 /// Returns whether the point stops a fast approach.
 RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p, int k,
                                  ContactRows& r, int to) {
-  const StepConstants c = *s.step;
   const OrderedPair& o = p.bodies;
+  const StepConstants c = s.stepOf(o.a);
   const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
   const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
   const bool impact = hits(c, closing, point.depth, r.length), isActive = m.activePoints >> k & 1;
@@ -299,7 +300,7 @@ template <class L> struct UpdateContactDuals {
     constexpr int kStep = sizeof(L) / sizeof(Real);
     ContactRows& r = s.contact[i];
     for (int lane = 0; lane < kLanes; lane += kStep)
-      updateContactDuals<L>(*s.step, r, s.dx[r.a], s.dx[r.b], lane);
+      updateContactDuals<L>(s.stepOf(r.a), r, s.dx[r.a], s.dx[r.b], lane);
   }
 };
 

@@ -5,7 +5,9 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline Vec3 downOf(const SolverData& s) { return normalize(s.step->gravity, Vec3{0, 0, 0}); }
+RUBBLE_HD inline Vec3 downOf(const SolverData& s, int body) {
+  return normalize(s.stepOf(body).gravity, Vec3{0, 0, 0});
+}
 
 /// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: one part of a body against one surface (a mesh,
 /// height field or distance field). Contact points are gathered anew in every step. Each inherits from the
@@ -27,7 +29,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
   found.length = pose.length;
   // a point where the part hangs from the surface bears no weight: both centers are that of the other body
   const Vec3 center = rotateInverse(qs, surface.kind == ShapeKind::Distance ? toPart - part.at : -part.at);
-  found.weight = {center, center, rotateInverse(qs, downOf(s))};
+  found.weight = {center, center, rotateInverse(qs, downOf(s, o.a))};
   if (surface.kind == ShapeKind::Distance)
     collideDistance(tables, surface, part.shape, at, q, pose.margin, found);
   else
@@ -106,7 +108,7 @@ struct TestGeneralPairs {
     const ShapeTables tables = s.shapeTables();
     const PlacedPart a = placedPart(tables, shapeA, pose.qA, p.owner == o.a ? p.first : p.second);
     const PlacedPart b = placedPart(tables, shapeB, pose.qB, p.owner == o.a ? p.second : p.first);
-    RawManifold raw = collideParts(tables, a, b, pose.t, pose.margin, pose.length, downOf(s));
+    RawManifold raw = collideParts(tables, a, b, pose.t, pose.margin, pose.length, downOf(s, o.a));
     if (!touchesNow(raw, pose)) raw.count = 0;
     s.pairTest[pair] = pairTest(raw, pose);
     keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i)));

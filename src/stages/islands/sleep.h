@@ -42,7 +42,7 @@ struct WakeByForces {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.asleep[i] == 0) return;
     const Vec3 none{0, 0, 0};
-    if (s.step->wakeAll || s.force[i] != none || s.torque[i] != none || s.velocity[i] != none ||
+    if (s.stepOf(i).wakeAll || s.force[i] != none || s.torque[i] != none || s.velocity[i] != none ||
         s.angularVelocity[i] != none)
       atomicRaise(&s.islandFlag[s.asleep[i] - 1], 1);
   }
@@ -67,7 +67,7 @@ struct StartIslands {
     if (!isDynamic(s, i)) return;
     const BodyParams& p = s.params[i];
     const Real speed = length(s.velocity[i]) + length(s.angularVelocity[i]) * p.radius;
-    const bool still = speed < stillSpeed(*s.step, 2 * p.radius);
+    const bool still = speed < stillSpeed(s.stepOf(i), 2 * p.radius);
     s.stillTime[i] = still ? s.stillTime[i] + s.step->dt : Real(0);
   }
 };

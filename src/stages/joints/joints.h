@@ -17,7 +17,7 @@ RUBBLE_HD inline JointBody jointBody(const SolverData& s, int body) {
   const BodyParams& p = s.params[body];
   const bool dynamic = p.kind == BodyKind::Dynamic;
   Vec3 way = s.step->dt * s.velocity[body];
-  if (dynamic) way += (s.step->dt * s.step->dt) * (p.gravityScale * s.step->gravity);
+  if (dynamic) way += (s.step->dt * s.step->dt) * (p.gravityScale * s.stepOf(body).gravity);
   return {dynamic ? p.mass : Real(0), p.inertia, {way, s.step->dt * s.angularVelocity[body]}};
 }
 
@@ -67,7 +67,7 @@ template <class F> struct BeginJoints {
       bodies[side] = jointBody(s, body);
       together &= !isDynamic(s, body) || s.nodeOfBody[body] >= 0;
     }
-    const StepConstants c = *s.step;
+    const StepConstants c = s.stepOf(spec.a, spec.b);
     beginJoint(c, spec, joint, a, b, bodies, together);
     placeJoint(spec, joint, offset, a, b);
   }
@@ -115,7 +115,7 @@ template <class F> struct UpdateJointDuals {
       if (at.part == 0) return updateAnchors(s, joint);
     if (!joint.active) return;
     const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
-    const StepConstants c = *s.step;
+    const StepConstants c = s.stepOf(spec.a, spec.b);
     forEachPart<F>([&]<int I, class P>() {
       if (I == at.part) updatePartDuals<F, I, P>(c, spec, joint, a, b);
     });

@@ -27,8 +27,8 @@ struct FindImpactSpeedBounds {
     const Pair p = s.pair[i];
     const BodyParams &po = s.params[p.owner], &pb = s.params[p.other];
     const PairSpeed speed = pairSpeed(s, p.owner, p.other, po, pb);
-    if (!isImpact(*s.step, speed.closing, pairLength(po, pb)) || speed.bullet || isSensor(s, p.owner) ||
-        isSensor(s, p.other))
+    if (!isImpact(s.stepOf(p.owner), speed.closing, pairLength(po, pb)) || speed.bullet ||
+        isSensor(s, p.owner) || isSensor(s, p.other))
       return;
     const auto agitate = [&](int body, const BodyParams& own, const BodyParams& other) {
       const int bits = floatBits(speed.closing * shareOfImpact(own, other));
@@ -97,7 +97,7 @@ struct ActivationRule {
     if (!s.step->inactiveRows || lambda != Real(0)) return true;
     const Real closing = closingSpeed(s, o, n, p.lever, pair.t),
                impactSpeedBound = impactSpeedBoundOf(s, o.a, o.b);
-    if (hits(*s.step, closing, p.depth, pair.length)) return true;
+    if (hits(s.stepOf(o.a), closing, p.depth, pair.length)) return true;
     // an impact in this step moves the body away from its inertial target
     if (inheritedViolation(*s.step, p.depth) + s.step->dt * impactSpeedBound > Real(0) &&
         !partsAlone(s, o, closing, impactSpeedBound))

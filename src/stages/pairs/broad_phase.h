@@ -20,10 +20,14 @@ RUBBLE_HD inline int cellOf(Real x, Real size) {
   return static_cast<int>(std::floor(clamp(x * (Real(1) / size), -kFar, kFar)));
 }
 
-RUBBLE_HD inline int bucketOf(const SolverData& s, int level, int x, int y, int z) {
+/// Bodies of one layer are on one level and in one world.
+RUBBLE_HD constexpr int layerOf(int world, int level) { return level + kGridLevels * world; }
+
+RUBBLE_HD inline int bucketOf(const SolverData& s, int layer, int x, int y, int z) {
+  // the layers of the first world have the numbers of their levels
   const std::uint32_t row = hash32(
       static_cast<std::uint32_t>(y) * 0x9e3779b1u ^
-      hash32(static_cast<std::uint32_t>(z) * 32u + static_cast<std::uint32_t>(level)));
+      hash32(static_cast<std::uint32_t>(z) * 32u + static_cast<std::uint32_t>(layer)));
   return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.cells - 1));
 }
 
@@ -49,7 +53,7 @@ RUBBLE_HD inline Vec3 pathAhead(const SolverData& s, int i) {
   const Real dt = s.step->dt;
   const Vec3 v = s.velocity[i];
   if (s.params[i].kind != BodyKind::Dynamic) return dt * v;
-  const Vec3 gravity = s.params[i].gravityScale * s.step->gravity;
+  const Vec3 gravity = s.params[i].gravityScale * s.stepOf(i).gravity;
   return inertialDisplacement(v, followedShare(v, s.previousVelocity[i], gravity, dt) * gravity, dt);
 }
 
@@ -74,7 +78,7 @@ struct ComputeBounds {
     const BodyParams& p = s.params[i];
     Bounds& b = s.bounds[i];
     b.level = -1;
-    if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return false;
+    if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane || isPaused(s, i)) return false;
     const Quat q = s.orientation[i];
     const Vec3 sweep = Real(.5) * pathAhead(s, i);
     const Vec3 x(s.position[i]);
@@ -91,7 +95,7 @@ struct ComputeBounds {
     while (level < kGridLevels - 1 && widest > kLevelFill * size) ++level, size *= 2;
     b.level = level;
     b.x = cellOf(b.center.x, size), b.y = cellOf(b.center.y, size), b.z = cellOf(b.center.z, size);
-    atomicCount(&s.bucketCount[bucketOf(s, level, b.x, b.y, b.z)], 1);
+    atomicCount(&s.bucketCount[bucketOf(s, layerOf(s.worldOf(i), level), b.x, b.y, b.z)], 1);
     return true;
   }
 };
@@ -102,21 +106,23 @@ struct FillGrid {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Bounds& b = s.bounds[i];
     if (b.level < 0) return;
-    const int bucket = bucketOf(s, b.level, b.x, b.y, b.z);
+    const int layer = layerOf(s.worldOf(i), b.level), bucket = bucketOf(s, layer, b.x, b.y, b.z);
     const int slot = s.bucketOffset[bucket] + atomicCount(&s.bucketCount[bucket], -1) - 1;
-    s.grid[slot] = {b.center, b.half, i, b.level};
+    s.grid[slot] = {b.center, b.half, i, layer};
   }
 };
 
-/// visit(entry) for each body of a level with few bodies; share of worker `lane` of `lanes`. Returns false if
-/// the level has many.
+/// visit(entry) for each body of a layer whose level has few bodies; share of worker `lane` of `lanes`.
+/// Returns false if the level has many.
 template <class Visit>
-RUBBLE_HD bool visitListed(const SolverData& s, int level, Visit&& visit, int lane = 0, int lanes = 1) {
+RUBBLE_HD bool visitListed(const SolverData& s, int layer, Visit&& visit, int lane = 0, int lanes = 1) {
+  const int level = layer % kGridLevels, world = layer / kGridLevels;
   const int members = s.counters->levelCount[level];
   if (members > kListedBodies) return false;
   for (int k = lane; k < members; k += lanes) {
     const int body = s.counters->levelBody[level][k];
-    visit(GridEntry{s.bounds[body].center, s.bounds[body].half, body, level});
+    if (s.worldOf(body) != world) continue;
+    visit(GridEntry{s.bounds[body].center, s.bounds[body].half, body, layer});
   }
   return true;
 }
@@ -147,8 +153,8 @@ struct RowOfCells {
   int begin, end;  ///< in the grid
   int wrapped;     ///< number of further entries at the beginning of the grid
 };
-RUBBLE_HD inline RowOfCells rowOfCells(const SolverData& s, int level, int x0, int x1, int y, int z) {
-  const int bucket = bucketOf(s, level, x0, y, z), cells = x1 - x0 + 1, here = min(cells, s.cells - bucket);
+RUBBLE_HD inline RowOfCells rowOfCells(const SolverData& s, int layer, int x0, int x1, int y, int z) {
+  const int bucket = bucketOf(s, layer, x0, y, z), cells = x1 - x0 + 1, here = min(cells, s.cells - bucket);
   return {s.bucketOffset[bucket], s.bucketOffset[bucket + here],
           here < cells ? s.bucketOffset[cells - here] : 0};
 }
@@ -171,11 +177,12 @@ template <Ahead kAhead, class Found>
 RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int level, Found&& found, int lane,
                            int lanes) {
   const bool own = level == b.level;
+  const int layer = layerOf(s.worldOf(i), level);
   const auto touches = [&](const GridEntry& e) { return boundsTouch(e, b); };
   const auto tryEntry = [&](const GridEntry& e) {
     if ((!own || e.body > i) && touches(e)) found(e.body);
   };
-  if (visitListed(s, level, tryEntry, lane, lanes)) return;
+  if (visitListed(s, layer, tryEntry, lane, lanes)) return;
   const Real size = cellSize(level);
   const CellRange c = cellsAround(s, b, level);
   if (c.empty()) return;
@@ -190,14 +197,14 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
   if (c.cells() > s.cells) {
     for (int k = lane; k < s.bucketOffset[s.cells]; k += lanes) {
       const GridEntry& e = s.grid[k];
-      if (e.level != level) continue;
+      if (e.layer != layer) continue;
       const int x = cellOf(e.center.x, size), y = cellOf(e.center.y, size), z = cellOf(e.center.z, size);
       if (!inPlace || z > z0 || (z == z0 && (y > y0 || (y == y0 && x >= x0)))) tryCell(e, x, y, z);
     }
     return;
   }
   const auto rowAt = [&](int y, int z) {
-    return rowOfCells(s, level, y == y0 && z == z0 ? x0 : c.x0, c.x1, y, z);
+    return rowOfCells(s, layer, y == y0 && z == z0 ? x0 : c.x0, c.x1, y, z);
   };
   int y = y0, z = z0;
   const auto step = [&](int rows) {
@@ -213,7 +220,7 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
     more = step(lanes);
     if (more) next = rowAt(y, z);
     const auto visit = [&](const GridEntry& e) {
-      if (e.level != level || !touches(e)) return;
+      if (e.layer != layer || !touches(e)) return;
       // cells of another row may share the bucket and would be visited twice
       const int x = cellOf(e.center.x, size);
       if (x >= firstX && x <= c.x1 && cellOf(e.center.y, size) == rowY && cellOf(e.center.z, size) == rowZ)
@@ -224,11 +231,13 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
   }
 }
 
-/// found(plane) for the planes that a box touches; share of worker `lane` of `lanes`.
-template <class Found>
-RUBBLE_HD void searchPlanes(const SolverData& s, const Bounds& b, Found&& found, int lane = 0,
+/// found(plane) for the planes of a world that a box (Bounds or SweptBox) touches; share of worker `lane` of
+/// `lanes`.
+template <class Box, class Found>
+RUBBLE_HD void searchPlanes(const SolverData& s, int world, const Box& b, Found&& found, int lane = 0,
                             int lanes = 1) {
-  for (int k = lane; k < s.planes; k += lanes) {
+  const int end = s.planesEnd(world);
+  for (int k = s.planesBegin(world) + lane; k < end; k += lanes) {
     const int plane = s.planeBody[k];
     const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
     const Real height = dot(up, b.center - Vec3(s.position[plane]));
@@ -241,7 +250,7 @@ template <class Found>
 RUBBLE_HD void searchPath(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
   for (int level = 0; level < kGridLevels; ++level)
     if (s.counters->levelCount[level] > 0) searchLevel<Ahead::InNumber>(s, i, way, level, found, lane, lanes);
-  searchPlanes(s, way, found, lane, lanes);
+  searchPlanes(s, s.worldOf(i), way, found, lane, lanes);
 }
 
 /// found(other, otherOwns) for the bodies whose bounds touch those of body i: in its own level those ahead of
@@ -249,13 +258,13 @@ RUBBLE_HD void searchPath(const SolverData& s, int i, const Bounds& way, Found&&
 template <Ahead kAhead, class Found>
 RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
   const BodyParams& p = s.params[i];
-  if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return;
+  if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane || isPaused(s, i)) return;
   const Bounds& b = s.bounds[i];
   for (int level = b.level; level < kGridLevels; ++level)
     searchLevel<kAhead>(
         s, i, b, level, [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
   searchPlanes(
-      s, b, [&](int plane) { found(plane, false); }, lane, lanes);
+      s, s.worldOf(i), b, [&](int plane) { found(plane, false); }, lane, lanes);
 }
 /// found(other) for the partners of body i: its bounds touch theirs, they may collide, and body i owns the
 /// pair.

@@ -16,7 +16,8 @@ RUBBLE_HD inline bool isSensor(const SolverData& s, int body) {
 /// Where the search for a pair begins in a hash table of `size` elements, a power of two.
 RUBBLE_HD inline int firstPlace(const ExcludedPair& pair, int size) {
   const auto mixed = (static_cast<std::uint32_t>(pair.low) * 0x9e3779b1u ^
-                      static_cast<std::uint32_t>(pair.high)) *
+                      static_cast<std::uint32_t>(pair.high) ^
+                      static_cast<std::uint32_t>(pair.world) * 0xc2b2ae35u) *
                      0x85ebca6bu;
   return static_cast<int>((mixed ^ mixed >> 15) & static_cast<std::uint32_t>(size - 1));
 }
@@ -43,7 +44,7 @@ RUBBLE_HD inline bool mayCollide(const SolverData& s, int a, int b) {
   if (s.filtered && !filtersAllow(s.filter[a], s.filter[b])) return false;
   if (s.exclusions == 0) return true;
   const int idA = s.idOf[a], idB = s.idOf[b];
-  return !isExcluded(s, {min(idA, idB), max(idA, idB)});
+  return !isExcluded(s, {min(idA, idB), max(idA, idB), s.worldOf(a)});
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -20,14 +20,15 @@ struct PathSearch {
   double limit = 1;  ///< fraction of d
 };
 
-/// The cells of a level that a search crosses: slabs along the main axis of d, one after another.
+/// The cells of a level of a world that a search crosses: slabs along the main axis of d, one after another.
 class LevelWalk {
  public:
-  RUBBLE_HD LevelWalk(const SolverData& s, const PathSearch& p, const Vec3d& inverse, int level)
+  RUBBLE_HD LevelWalk(const SolverData& s, const PathSearch& p, const Vec3d& inverse, int world, int level)
       : s_(s),
         p_(p),
         inverse_(inverse),
         level_(level),
+        layer_(layerOf(world, level)),
         size_(static_cast<double>(cellSize(level))),
         perSize_(1 / size_) {
     for (int k = 1; k < 3; ++k)
@@ -96,9 +97,9 @@ class LevelWalk {
   }
   template <class Look> RUBBLE_HD void visitRow(int x0, int x1, int y, int z, Look&& look) const {
     const Real size = cellSize(level_);
-    const RowOfCells row = rowOfCells(s_, level_, x0, x1, y, z);
+    const RowOfCells row = rowOfCells(s_, layer_, x0, x1, y, z);
     const auto take = [&](const GridEntry& e) {
-      if (e.level != level_) return;
+      if (e.layer != layer_) return;
       // cells of another row may share the bucket
       const int x = cellOf(e.center.x, size);
       if (x >= x0 && x <= x1 && cellOf(e.center.y, size) == y && cellOf(e.center.z, size) == z) look(e);
@@ -110,7 +111,7 @@ class LevelWalk {
   const SolverData& s_;
   const PathSearch& p_;
   const Vec3d& inverse_;
-  int level_;
+  int level_, layer_;
   double size_;     ///< of cells [m]
   double perSize_;  ///< exact, since sizes are powers of two [1/m]
   int main_ = 0, first_ = 0, last_ = -1;
@@ -118,11 +119,11 @@ class LevelWalk {
   double from_ = 0, until_ = 0, cells_ = 0;
 };
 
-/// visit(body) for every body whose box may touch the moving box. Each body is visited once, slab by slab at
-/// each level, so near bodies come first. share(): all workers take over the narrowest search of one of them;
-/// then slabs beyond it are left out.
+/// visit(body) for every body of a world whose box may touch the moving box. Each body is visited once, slab
+/// by slab at each level, so near bodies come first. share(): all workers take over the narrowest search of
+/// one of them; then slabs beyond it are left out.
 template <class Visit, class Share, class Lanes>
-RUBBLE_HD void visitAlong(const SolverData& s, const PathSearch& p, Visit&& visit, Share&& share,
+RUBBLE_HD void visitAlong(const SolverData& s, int world, const PathSearch& p, Visit&& visit, Share&& share,
                           const Lanes& lanes) {
   const Vec3d inverse = inverseOf(p.d);
   const auto look = [&](const GridEntry& e) {
@@ -132,11 +133,11 @@ RUBBLE_HD void visitAlong(const SolverData& s, const PathSearch& p, Visit&& visi
   for (int level = 0; level < kGridLevels; ++level) {
     if (s.counters->levelCount[level] == 0) continue;
     share();
-    const LevelWalk walk(s, p, inverse, level);
+    const LevelWalk walk(s, p, inverse, world, level);
     // with more cells than entries a scan of the entries is cheaper
     if (walk.cells() > min(2.0 * entries + 64, static_cast<double>(s.cells))) {
       for (int k = lanes.lane; k < entries; k += lanes.count)
-        if (s.grid[k].level == level) look(s.grid[k]);
+        if (s.grid[k].layer == layerOf(world, level)) look(s.grid[k]);
       continue;
     }
     const int slabs = walk.slabs();
@@ -145,7 +146,8 @@ RUBBLE_HD void visitAlong(const SolverData& s, const PathSearch& p, Visit&& visi
       share();
     }
   }
-  for (int k = lanes.lane; k < s.planes; k += lanes.count) visit(s.planeBody[k]);
+  const int end = s.planesEnd(world);
+  for (int k = s.planesBegin(world) + lanes.lane; k < end; k += lanes.count) visit(s.planeBody[k]);
 }
 
 }  // namespace rubble::RUBBLE_CORE

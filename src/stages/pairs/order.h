@@ -34,7 +34,7 @@ inline constexpr double kCurveCell = 16;
 RUBBLE_HD inline std::uint64_t placeOnCurve(const SolverData& s, int i) {
   if (!hasPlace(s, i)) return ~std::uint64_t{0};
   constexpr double kHalf = 1 << 20;
-  const double size = kCurveCell / s.step->perFall;
+  const double size = kCurveCell / s.stepOf(i).perFall;
   const auto cell = [&](double x) {
     return spreadBits(static_cast<std::uint64_t>(clamp(std::floor(x / size) + kHalf, 0.0, 2 * kHalf - 1)));
   };

@@ -46,12 +46,12 @@ RUBBLE_HD void visitNear(const SolverData& s, const EngineQuery& q, const PathSe
     if (looksAt(s, q, body)) visit(body);
   };
   if constexpr (kSearch == Search::ByGrid) {
-    visitAlong(s, p, look, share, lanes);
+    visitAlong(s, q.world, p, look, share, lanes);
   } else {
     const Vec3d inverse = inverseOf(p.d);
     for (int body = lanes.lane; body < s.bodies; body += lanes.count) {
       const BodyParams& params = s.params[body];
-      if (params.kind == BodyKind::Removed) continue;
+      if (params.kind == BodyKind::Removed || s.worldOf(body) != q.world) continue;
       const double radius = static_cast<double>(params.radius);
       const Vec3d away = p.x - Vec3d(s.position[body]), reach = p.half + Vec3d{radius, radius, radius};
       if (params.shape.kind == ShapeKind::Plane || passes(away, inverse, reach, p.limit)) look(body);

@@ -60,9 +60,7 @@ RUBBLE_HD inline bool mayTouchSurface(const SolverData& s, int body, const Surfa
 /// [1]. An example is the free end of a rod whose other end stops.
 inline constexpr Real kTipping = Real(1.5);
 /// Second, a body that begins to fall moves this far [m].
-RUBBLE_HD inline Real fallInStep(const SolverData& s) {
-  return s.step->dt * s.step->dt * length(s.step->gravity);
-}
+RUBBLE_HD inline Real fallInStep(const StepConstants& c) { return c.dt * c.dt * length(c.gravity); }
 
 /// Flags bodies whose boxes touch that of a feature; the corners of all other bodies need no search.
 struct FindDentingBodies {
@@ -76,12 +74,12 @@ struct FindDentingBodies {
     if (s.bounds[body].level < 0) return false;
     const Real way = s.step->dt *
                      (length(s.velocity[body]) + length(s.angularVelocity[body]) * s.params[body].radius);
-    const Real more = (kTipping - Real(1)) * way + fallInStep(s);
+    const Real more = (kTipping - Real(1)) * way + fallInStep(s.stepOf(body));
     const SweptBox box{s.bounds[body].center, s.bounds[body].half + Vec3{more, more, more}};
     bool found = false;
     const auto look = [&](int i) { found = found || mayTouchSurface(s, body, s.feature[i]); };
-    seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
-    seekFeatures(s, FeatureKind::Triangle, box, look, lane, lanes);
+    seekFeatures(s, s.worldOf(body), FeatureKind::BareEdge, box, look, lane, lanes);
+    seekFeatures(s, s.worldOf(body), FeatureKind::Triangle, box, look, lane, lanes);
     return found;
   }
 };
@@ -252,7 +250,7 @@ RUBBLE_HD inline CornerReach reachPart(const SolverData& s, int body, const Plac
   out.touch = touchPart(s, body, corner, f, held.side, max(held.behind, max(fast, kHeldFromBelow * size)));
   out.gap = out.touch.distance - corner.radius - s.vertexParams[f.v[0]].radius;
   const Real there = s.step->dt * length(corner.velocity - partVelocity(s, f, out.touch.w));
-  out.margin = max(s.step->contactMargin * size, kTipping * max(fast, there) + fallInStep(s));
+  out.margin = max(s.step->contactMargin * size, kTipping * max(fast, there) + fallInStep(s.stepOf(body)));
   return out;
 }
 
@@ -270,7 +268,8 @@ RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int 
     const Vec3 from = Vec3(s.position[body]) + corner.at,
                sweep = (kTipping * s.step->dt / 2) * corner.velocity;
     const Real roundOff = Real(2.4e-7) * (std::fabs(from.x) + std::fabs(from.y) + std::fabs(from.z));
-    const Real grow = corner.radius + max(behind, ownMargin(s, s.params[body])) + fallInStep(s) + roundOff;
+    const Real grow = corner.radius + max(behind, ownMargin(s, s.params[body])) + fallInStep(s.stepOf(body)) +
+                      roundOff;
     const SweptBox box{from + sweep, abs(sweep) + Vec3{grow, grow, grow}};
     const auto look = [&](int i) {
       const SurfaceFeature& f = s.feature[i];
@@ -296,8 +295,8 @@ RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int 
       const CornerReach r = reachPart(s, body, corner, nearest, heldSide(s, owner, nearest));
       if (r.touch.valid && r.gap <= r.margin) found(part);
     };
-    seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
-    seekFeatures(s, FeatureKind::Triangle, box, look, lane, lanes);
+    seekFeatures(s, s.worldOf(body), FeatureKind::BareEdge, box, look, lane, lanes);
+    seekFeatures(s, s.worldOf(body), FeatureKind::Triangle, box, look, lane, lanes);
   });
 }
 

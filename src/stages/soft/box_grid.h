@@ -16,6 +16,11 @@ RUBBLE_HD inline bool meets(const SweptBox& a, const Vec3& center, const Vec3& h
          std::fabs(a.center.z - center.z) <= a.half.z + half.z;
 }
 
+/// BoxEntry::place: boxes of one kind, level and world.
+RUBBLE_HD constexpr int boxPlace(int world, int kind, int level) {
+  return kind + kBoxKinds * (level + kBoxLevels * world);
+}
+
 struct BoxGrid {
   Real cell;                  ///< edge of the finest cells [m]
   Real span;                  ///< boxes of a level are at most this many cells wide [1]
@@ -37,8 +42,8 @@ struct BoxGrid {
     return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(buckets - 1));
   }
   /// The entry of a box, and its bucket.
-  RUBBLE_HD BoxEntry place(int kind, const SweptBox& box, int item, int& bucket) const {
-    const int level = levelOf(box.half), own = kind + kBoxKinds * level;
+  RUBBLE_HD BoxEntry place(int world, int kind, const SweptBox& box, int item, int& bucket) const {
+    const int level = levelOf(box.half), own = boxPlace(world, kind, level);
     const Real size = cellSize(level);
     bucket = bucketOf(own, cellOf(box.center.x, size), cellOf(box.center.y, size),
                       cellOf(box.center.z, size));
@@ -57,7 +62,7 @@ RUBBLE_HD inline BoxGrid particleGrid(const SolverData& s) {
 
 /// Records which levels are in use, and their largest half extents.
 RUBBLE_HD inline void noteBox(const SolverData& s, const BoxEntry& e) {
-  const int kind = e.place % kBoxKinds, level = e.place / kBoxKinds;
+  const int kind = e.place % kBoxKinds, level = e.place / kBoxKinds % kBoxLevels;
   int* const levels = &s.counters->boxLevels[kind];
   if ((atomicLoad(levels) >> level & 1) == 0) atomicSet(levels, 1 << level);
   for (int k = 0; k < 3; ++k) {
@@ -84,9 +89,10 @@ RUBBLE_HD bool forEachCell(const Vec3& center, const Vec3& reach, Real size, Rea
   }
 }
 
-/// found(item) for the boxes of a kind that touch the given one; share of worker `lane` of `lanes`.
+/// found(item) for the boxes of a kind in a world that touch the given one; share of worker `lane` of
+/// `lanes`.
 template <class Found>
-RUBBLE_HD void seekBoxes(const SolverData& s, const BoxGrid& grid, int kind, const SweptBox& box,
+RUBBLE_HD void seekBoxes(const SolverData& s, const BoxGrid& grid, int world, int kind, const SweptBox& box,
                          Found&& found, int lane = 0, int lanes = 1) {
   // A cell costs two random reads, an entry part of a sequential one. With more cells than this, a scan of
   // all entries is cheaper.
@@ -95,7 +101,7 @@ RUBBLE_HD void seekBoxes(const SolverData& s, const BoxGrid& grid, int kind, con
   const Real most = max(kFewCells, static_cast<Real>(all) / kEntriesPerCell);
   for (int level = 0; levels >> level != 0; ++level) {
     if ((levels >> level & 1) == 0) continue;
-    const int place = kind + kBoxKinds * level;
+    const int place = boxPlace(world, kind, level);
     const Real size = grid.cellSize(level);
     Vec3 reach;
     for (int k = 0; k < 3; ++k) reach[k] = box.half[k] + fromFloatBits(s.counters->boxHalf[kind][level][k]);

@@ -174,7 +174,8 @@ struct SolveCluster {
         if (!e.alive) return;
         Vec3 x[F::kCorners];
         gatherCorners(s, e, x);
-        accumulateGroup(*s.step, e, x, ref.inside, center, static_cast<Real>(ref.clusters) / 2, block);
+        accumulateGroup(s.stepOfPoint(e.v[0]), e, x, ref.inside, center, static_cast<Real>(ref.clusters) / 2,
+                        block);
       }
     });
   }

@@ -79,10 +79,10 @@ RUBBLE_HD void searchNear(const SolverData& s, int owner, Found&& found, int lan
     if (distance > Real(0) && distance - kLeastSurfaceGap * bothRadii(s, p) <= reach[0] + reach[1]) found(i);
   };
   if (corners == 1) {
-    seekFeatures(s, FeatureKind::Triangle, box, look, lane, lanes);
+    seekFeatures(s, s.worldOfPoint(own[0]), FeatureKind::Triangle, box, look, lane, lanes);
   } else {
-    seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
-    seekFeatures(s, FeatureKind::Edge, box, look, lane, lanes);
+    seekFeatures(s, s.worldOfPoint(own[0]), FeatureKind::BareEdge, box, look, lane, lanes);
+    seekFeatures(s, s.worldOfPoint(own[0]), FeatureKind::Edge, box, look, lane, lanes);
   }
 }
 
@@ -132,6 +132,16 @@ RUBBLE_HD inline bool findCrossing(const SolverData& s, const NearFeature& near,
   return m.meets;
 }
 
+/// Counts an impact, and notes that the world of a vertex has one in this round.
+RUBBLE_HD inline void countCrossing(const SolverData& s, int v) {
+  atomicCount(&s.counters->crossings, 1);
+  atomicRaise(&s.crossingRound[s.worldOfPoint(v)], s.counters->crossingRounds + 1);
+}
+/// Had the world of a vertex an impact in the last round? Rounds go on as long as any world has one.
+RUBBLE_HD inline bool hasCrossings(const SolverData& s, int v) {
+  return s.worlds == 1 || s.crossingRound[s.worldOfPoint(v)] > s.counters->crossingRounds;
+}
+
 /// Counts the impacts of each vertex.
 struct CountCrossings {
   static constexpr const char* kStage = "crossings";
@@ -143,7 +153,7 @@ struct CountCrossings {
     for (const int v : p.v) atomicSet(&s.vertexRepair[v].isActive, 1);
     if (!meets) return;
     s.nearFeature[i].meets = 1;
-    atomicCount(&s.counters->crossings, 1);
+    countCrossing(s, p.v[0]);
     for (const int v : p.v) atomicCount(&s.vertexRepair[v].hits, 1);
   }
 };
@@ -204,7 +214,7 @@ struct TakeWays {
   }
   RUBBLE_HD static bool mustStay(const SolverData& s, int v) {
     return s.vertexRepair[s.vertexParams[v].first].stays != 0 ||
-           (s.vertexRepair[v].isActive != 0 &&
+           (s.vertexRepair[v].isActive != 0 && hasCrossings(s, v) &&
             s.counters->crossingRounds >= deflections(s, v) + kCuts + kStays);
   }
 };
@@ -222,7 +232,7 @@ struct ProposeWays {
     Real clear;
     near.meets = findCrossing(s, near, p, m, clear);
     if (near.meets == 0) return;
-    atomicCount(&s.counters->crossings, 1);
+    countCrossing(s, p.v[0]);
     for (const int v : p.v) atomicCount(&s.vertexRepair[v].hits, 1);
     int most = kDeflections;
     for (const int v : p.v) most = min(most, deflections(s, v));

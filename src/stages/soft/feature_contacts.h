@@ -169,7 +169,7 @@ template <class Found>
 RUBBLE_HD void searchFeatures(const SolverData& s, int owner, Found&& found, int lane, int lanes) {
   if (!ownsFeatures(s, owner)) return;
   int own[2];
-  const int corners = ownerCorners(s, owner, own);
+  const int corners = ownerCorners(s, owner, own), world = s.worldOfPoint(own[0]);
   const SweptBox box = sweptBox<ExpectedWay>(s, own, corners);
   const auto look = [&](int i) {
     // of two edges the lower one owns the pair
@@ -178,8 +178,8 @@ RUBBLE_HD void searchFeatures(const SolverData& s, int owner, Found&& found, int
     if (!(length(p.gap) <= bothRadii(s, p) + featureMargin(s, p))) return;
     if (const int part = nearestPart(s, p, owner - s.vertices, i); part >= 0) found(part);
   };
-  seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
-  seekFeatures(s, corners == 1 ? FeatureKind::Triangle : FeatureKind::Edge, box, look, lane, lanes);
+  seekFeatures(s, world, FeatureKind::BareEdge, box, look, lane, lanes);
+  seekFeatures(s, world, corners == 1 ? FeatureKind::Triangle : FeatureKind::Edge, box, look, lane, lanes);
 }
 
 /// Rows of a vertex or edge (A) against a feature (B). Fills the geometry and returns the initial values.

@@ -76,14 +76,14 @@ RUBBLE_HD inline bool isThere(const SolverData& s, const SurfaceFeature& f) {
 
 template <class SweptMotion> RUBBLE_HD BoxEntry placeFeature(const SolverData& s, int i, int& bucket) {
   const SurfaceFeature& f = s.feature[i];
-  return featureGrid(s).place(static_cast<int>(f.kind), sweptBox<SweptMotion>(s, f.v, cornersOf(f)), i,
-                              bucket);
+  return featureGrid(s).place(s.worldOfPoint(f.v[0]), static_cast<int>(f.kind),
+                              sweptBox<SweptMotion>(s, f.v, cornersOf(f)), i, bucket);
 }
 
 template <class SweptMotion> struct CountFeatures {
   static constexpr const char* kStage = "surfaces";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (!isThere(s, s.feature[i])) return;
+    if (!isThere(s, s.feature[i]) || isPausedPoint(s, s.feature[i].v[0])) return;
     int bucket;
     noteBox(s, placeFeature<SweptMotion>(s, i, bucket));
     atomicCount(&s.featureCount[bucket], 1);
@@ -94,7 +94,7 @@ template <class SweptMotion> struct CountFeatures {
 template <class SweptMotion> struct FillFeatures {
   static constexpr const char* kStage = "surfaces";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (!isThere(s, s.feature[i])) return;
+    if (!isThere(s, s.feature[i]) || isPausedPoint(s, s.feature[i].v[0])) return;
     int bucket;
     const BoxEntry e = placeFeature<SweptMotion>(s, i, bucket);
     s.featureEntry[s.featureOffset[bucket] + atomicCount(&s.featureCount[bucket], -1) - 1] = e;
@@ -110,12 +110,12 @@ struct ForgetFeatureLevels {
   }
 };
 
-/// found(feature) for the features of a kind whose boxes touch the given one; share of worker `lane` of
-/// `lanes`.
+/// found(feature) for the features of a kind in a world whose boxes touch the given one; share of worker
+/// `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void seekFeatures(const SolverData& s, FeatureKind kind, const SweptBox& box, Found&& found,
-                            int lane = 0, int lanes = 1) {
-  seekBoxes(s, featureGrid(s), static_cast<int>(kind), box, found, lane, lanes);
+RUBBLE_HD void seekFeatures(const SolverData& s, int world, FeatureKind kind, const SweptBox& box,
+                            Found&& found, int lane = 0, int lanes = 1) {
+  seekBoxes(s, featureGrid(s), world, static_cast<int>(kind), box, found, lane, lanes);
 }
 
 /// Does an attachment connect the two vertices?
@@ -161,8 +161,12 @@ RUBBLE_HD inline int ownerCorners(const SolverData& s, int owner, int (&v)[2]) {
 
 /// Has the owner a surface that collides?
 RUBBLE_HD inline bool ownsFeatures(const SolverData& s, int owner) {
-  if (owner >= s.vertices) return isThere(s, s.feature[owner - s.vertices]);
-  return s.vertexParams[owner].kind != VertexKind::Removed && isOnSurface(s, owner);
+  if (owner >= s.vertices) {
+    const SurfaceFeature& f = s.feature[owner - s.vertices];
+    return isThere(s, f) && !isPausedPoint(s, f.v[0]);
+  }
+  return !isPausedPoint(s, owner) && s.vertexParams[owner].kind != VertexKind::Removed &&
+         isOnSurface(s, owner);
 }
 
 }  // namespace rubble::RUBBLE_CORE

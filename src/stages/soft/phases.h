@@ -122,6 +122,7 @@ template <Executor E> void keepApart(E& e) {
   const SolverData& s = e.view();
   if (s.features == 0) return;
   const int owners = s.vertices + s.edges;
+  e.clear(&SolverData::crossingRound, s.worlds);
   e.forEach(BeginCrossings{}, s.vertices);
   fillFeatures<FoundWay>(e);
   e.forEach(FindNear{}, owners);

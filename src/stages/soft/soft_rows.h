@@ -5,7 +5,7 @@
 namespace rubble::RUBBLE_CORE {
 
 RUBBLE_HD inline bool isDynamicVertex(const SolverData& s, int v) {
-  return s.vertexParams[v].kind == VertexKind::Dynamic;
+  return s.vertexParams[v].kind == VertexKind::Dynamic && !isPausedPoint(s, v);
 }
 
 /// sum c_i (x_i - x_i^t) over the vertices of an attachment or contact [m].

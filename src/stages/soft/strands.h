@@ -29,9 +29,9 @@ RUBBLE_HD Sym3 addLineElement(const SolverData& s, const F* element, int v, Bloc
   gatherCorners(s, *element, x);
   Block3 own;
   if constexpr (std::is_same_v<F, Spring>)
-    element->accumulate(x, cornerOf(*element, v), element->converged(*s.step, x), own);
+    element->accumulate(x, cornerOf(*element, v), element->converged(s.stepOfPoint(v), x), own);
   else
-    element->accumulate(*s.step, x, cornerOf(*element, v), own);
+    element->accumulate(s.stepOfPoint(v), x, cornerOf(*element, v), own);
   block += own;
   return own.h;
 }

@@ -12,13 +12,16 @@ RUBBLE_HD inline SweptBox vertexBounds(const SolverData& s, int v) {
   const VertexParams& p = s.vertexParams[v];
   const Vec3 sweep = (s.step->dt / 2) * s.vertexVelocity[v], x(s.vertexPosition[v]);
   const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
-  const Real grow = p.radius + s.step->contactMargin * p.length + fallInStep(s) + roundOff;
+  const Real grow = p.radius + s.step->contactMargin * p.length + fallInStep(s.stepOfPoint(v)) + roundOff;
   return {x + sweep, abs(sweep) + Vec3{grow, grow, grow}};
 }
 
 RUBBLE_HD inline bool isParticle(const SolverData& s, int v) {
   return s.vertexParams[v].kind != VertexKind::Removed &&
-         (s.vertexParams[v].collides & kCollidesWithParticles) != 0;
+         (s.vertexParams[v].collides & kCollidesWithParticles) != 0 && !isPausedPoint(s, v);
+}
+RUBBLE_HD inline BoxEntry placeParticle(const SolverData& s, int v, int& bucket) {
+  return particleGrid(s).place(s.worldOfPoint(v), kParticleKind, vertexBounds(s, v), v, bucket);
 }
 
 struct CountParticles {
@@ -26,7 +29,7 @@ struct CountParticles {
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
     if (!isParticle(s, v)) return;
     int bucket;
-    noteBox(s, particleGrid(s).place(kParticleKind, vertexBounds(s, v), v, bucket));
+    noteBox(s, placeParticle(s, v, bucket));
     atomicCount(&s.particleCount[bucket], 1);
   }
 };
@@ -37,7 +40,7 @@ struct FillParticles {
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
     if (!isParticle(s, v)) return;
     int bucket;
-    const BoxEntry e = particleGrid(s).place(kParticleKind, vertexBounds(s, v), v, bucket);
+    const BoxEntry e = placeParticle(s, v, bucket);
     s.particle[s.particleOffset[bucket] + atomicCount(&s.particleCount[bucket], -1) - 1] = e;
   }
 };
@@ -48,16 +51,18 @@ RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Fou
                             int lanes) {
   // largest number of cells of a search; beyond, scanning all bodies is cheaper
   constexpr Real kMostCells = 512;
+  const int world = s.worldOfPoint(v);
   for (int level = 0; level < kGridLevels; ++level) {
+    const int layer = layerOf(world, level);
     const auto look = [&](const GridEntry& e) {
-      if (e.level == level && meets(box, e.center, e.half) && mayTouch(s, v, e.body)) found(e.body);
+      if (e.layer == layer && meets(box, e.center, e.half) && mayTouch(s, v, e.body)) found(e.body);
     };
-    if (visitListed(s, level, look, lane, lanes)) continue;
+    if (visitListed(s, layer, look, lane, lanes)) continue;
     Vec3 reach;
     for (int k = 0; k < 3; ++k) reach[k] = box.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
     const Real size = cellSize(level);
     const bool done = forEachCell(box.center, reach, size, kMostCells, lane, lanes, [&](int x, int y, int z) {
-      const int bucket = bucketOf(s, level, x, y, z);
+      const int bucket = bucketOf(s, layer, x, y, z);
       for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
         // another cell may share the bucket
         const GridEntry& e = s.grid[k];
@@ -67,12 +72,10 @@ RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Fou
     });
     for (int k = lane; !done && k < s.bucketOffset[s.cells]; k += lanes) look(s.grid[k]);
   }
-  for (int k = lane; k < s.planes; k += lanes) {
-    const int plane = s.planeBody[k];
-    const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
-    if (dot(up, box.center - Vec3(s.position[plane])) <= dot(abs(up), box.half) && mayTouch(s, v, plane))
-      found(plane);
-  }
+  const auto foundPlane = [&](int plane) {
+    if (mayTouch(s, v, plane)) found(plane);
+  };
+  searchPlanes(s, world, box, foundPlane, lane, lanes);
 }
 
 /// found(other) for every partner in the pairs that a vertex, an edge or a corner of a body owns; share of
@@ -84,7 +87,7 @@ RUBBLE_HD void searchPoint(const SolverData& s, int owner, Found&& found, int la
   if (owner >= s.vertices) return;
   const int v = owner;
   const VertexParams& p = s.vertexParams[v];
-  if (p.kind == VertexKind::Removed) return;
+  if (p.kind == VertexKind::Removed || isPausedPoint(s, v)) return;
   const SweptBox box = vertexBounds(s, v);
   if (p.collides & kCollidesWithBodies) searchBodies(s, v, box, found, lane, lanes);
   if (!(p.collides & kCollidesWithParticles)) return;
@@ -98,7 +101,7 @@ RUBBLE_HD void searchPoint(const SolverData& s, int owner, Found&& found, int la
       return;
     if (isDynamicVertex(s, v) || isDynamicVertex(s, other)) found(kVertexNode + other);
   };
-  seekBoxes(s, particleGrid(s), kParticleKind, box, look, lane, lanes);
+  seekBoxes(s, particleGrid(s), s.worldOfPoint(v), kParticleKind, box, look, lane, lanes);
 }
 
 /// The partners of an owner, of which the first kPointPairSlots are stored. Beyond that number some may be
@@ -199,7 +202,7 @@ RUBBLE_HD inline PointContactStart touchBody(const SolverData& s, int v, int bod
   margin = max(s.step->contactMargin * width,
                s.step->dt * (length(relative) + length(s.angularVelocity[body]) * length(x)));
   // an open mesh has two sides and no inside
-  if (b.shape.kind == ShapeKind::Mesh) margin += fallInStep(s);
+  if (b.shape.kind == ShapeKind::Mesh) margin += fallInStep(s.stepOfPoint(v));
   const PointDistance at = pointToBody(s, v, body, point.radius + margin,
                                        old && old->active ? old->n : Vec3{0, 0, 0});
   gap = at.distance - point.radius;
@@ -306,7 +309,7 @@ struct UpdatePointContacts {
                                         : touchFeature(s, pair.vertex, pair.other, p, gap, margin);
     p.active = gap <= margin;
     if (p.active) {
-      beginPointContact(*s.step, p, start, old);
+      beginPointContact(s.stepOfPoint(p.v[0]), p, start, old);
       addSurfaceShift(s, p, Real(1) / s.step->driftCorrection);
       atomicCount(&s.counters->pointContacts, 1);
     }
@@ -344,7 +347,7 @@ struct UpdatePointDuals {
   static constexpr const char* kStage = "dual";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     PointContact& p = s.pointContact[i];
-    if (p.active) p.updateDual(*s.step, pointDisplacement(s, p));
+    if (p.active) p.updateDual(s.stepOfPoint(p.v[0]), pointDisplacement(s, p));
   }
 };
 
@@ -356,7 +359,7 @@ struct FinishPoints {
     Vec3 d = movedSum(s, p);
     // exact here: errors of the linear displacement would accumulate from step to step
     if (p.body >= 0) d += s.dx[p.body].dp + rotate(s.dq[p.body], p.lever) - p.lever;
-    p.finish(*s.step, d);
+    p.finish(s.stepOfPoint(p.v[0]), d);
     // replaces the offset in the row by the displacement of this step
     if (p.stick) addSurfaceShift(s, p, Real(1) - Real(1) / s.step->driftCorrection);
   }

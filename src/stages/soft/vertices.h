@@ -32,7 +32,7 @@ template <class F> struct BeginElements {
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
-    element.begin(*s.step, x);
+    element.begin(s.stepOfPoint(element.v[0]), x);
   }
 };
 
@@ -57,7 +57,7 @@ template <class F> struct UpdateElementDuals {
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
-    element.updateDual(*s.step, x);
+    element.updateDual(s.stepOfPoint(element.v[0]), x);
   }
 };
 
@@ -69,7 +69,7 @@ template <class F> struct FinishElements {
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
-    if (!element.finish(*s.step, x)) return;
+    if (!element.finish(s.stepOfPoint(element.v[0]), x)) return;
     element.alive = 0;
     atomicCount(&s.counters->broken, 1);
   }
@@ -110,7 +110,7 @@ RUBBLE_HD inline bool inSolid(const SolverData& s, int v) {
 struct PredictVertices {
   static constexpr const char* kStage = "predict";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
-    const StepConstants& c = *s.step;
+    const StepConstants& c = s.stepOfPoint(v);
     const VertexParams& p = s.vertexParams[v];
     if (p.kind != VertexKind::Dynamic) {
       s.vertexTarget[v] = s.vertexMoved[v] = {0, 0, 0};
@@ -148,7 +148,7 @@ RUBBLE_HD inline void addElement(const SolverData& s, std::uint32_t code, Block3
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
-    element.accumulate(*s.step, x, corner, block);
+    element.accumulate(s.stepOfPoint(element.v[0]), x, corner, block);
   });
   if (type != kAttachmentCode) return;
   const Attachment& a = s.attachment[index];
@@ -204,7 +204,7 @@ struct BeginAttachments {
         bodyMass = s.params[a.body].mass;
       }
     }
-    a.begin(*s.step, gap, lever, bodyMass, a.isNew() ? newLoad(s, a, gap) : Vec3{0, 0, 0});
+    a.begin(s.stepOfPoint(a.v[0]), gap, lever, bodyMass, a.isNew() ? newLoad(s, a, gap) : Vec3{0, 0, 0});
   }
 };
 /// `whole`: read the contact with vector loads, which takes more registers.

@@ -99,7 +99,7 @@ template <class F> struct FindTreeRows {
     const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
     TreePart<kSides<F>>& to = s.treeRowsOf<F>()[at.joint].part[at.part];
     to.count = 0;
-    const StepConstants c = *s.step;
+    const StepConstants c = s.stepOf(spec.a, spec.b);
     storeVectorized(to, [&](TreePart<kSides<F>>& part) {
       forEachPart<F>([&]<int I, class P>() {
         if (I == at.part) findTreePart<F, I, P>(c, spec, joint, a, b, own, part);

@@ -1,0 +1,105 @@
+#include <rubble/c/worlds.h>
+
+#include <rubble/worlds.h>
+
+#include "c_api/handles.h"
+#include "io/definition_json.h"
+
+using namespace rubble;
+using namespace rubble::c;
+
+struct rb_worlds {
+  std::shared_ptr<Worlds> worlds;
+  std::vector<std::int32_t> rows = {};  ///< returned last
+};
+
+namespace {
+
+Worlds& worldsOf(const rb_worlds* handle) { return *need(handle, "worlds").worlds; }
+
+}  // namespace
+
+extern "C" {
+
+rb_status rb_worlds_create(const char* options, rb_worlds** worlds) {
+  return guarded([&] {
+    auto made = std::make_shared<Worlds>(io::parseOptions(textOr(options, "{}")));
+    need(worlds, "worlds") = new rb_worlds{std::move(made)};
+  });
+}
+
+void rb_worlds_destroy(rb_worlds* worlds) { delete worlds; }
+
+rb_status rb_worlds_add(rb_worlds* worlds, const rb_scene* scene, int32_t count, int32_t* first) {
+  return guarded([&] {
+    if (count < 0) throw Error("count", "a number of at least 0", std::to_string(count));
+    const int number = worldsOf(worlds).addCopies(need(scene, "scene").file.scene, count);
+    if (first) *first = number;
+  });
+}
+
+int32_t rb_worlds_count(const rb_worlds* worlds) { return worlds ? worlds->worlds->count() : 0; }
+
+rb_status rb_worlds_world(const rb_worlds* worlds, int32_t number, rb_world** world) {
+  return guarded([&] {
+    World& one = worldsOf(worlds)[number];
+    auto handle = std::make_unique<rb_world>();
+    handle->world = std::shared_ptr<World>(worlds->worlds, &one);
+    need(world, "world") = handle.release();
+  });
+}
+
+rb_status rb_worlds_step(rb_worlds* worlds, int32_t steps, const uint8_t* active, rb_step_report* report) {
+  return guarded([&] {
+    Worlds& all = worldsOf(worlds);
+    std::vector<char> mask;
+    if (active) mask.assign(active, active + all.count());
+    const StepReport last = all.step(steps, mask);
+    if (report) *report = toC(last);
+  });
+}
+
+rb_status rb_worlds_reset(rb_worlds* worlds, const int32_t* numbers, int64_t count,
+                          const rb_snapshot* const* snapshots, int64_t snapshot_count) {
+  return guarded([&] {
+    const std::vector<int> list = mapped(numbers, count, [](int32_t number) { return int{number}; });
+    const std::vector<Snapshot> states = mapped(
+        snapshots, snapshot_count, [](const rb_snapshot* s) { return need(s, "snapshot").snapshot; });
+    worldsOf(worlds).reset(list, states);
+  });
+}
+
+rb_status rb_worlds_params(const rb_worlds* worlds, const char** json) {
+  return guarded([&] { need(json, "json") = keepText(io::toJson(worldsOf(worlds).params())); });
+}
+
+rb_status rb_worlds_set_params(rb_worlds* worlds, const char* json) {
+  return guarded([&] {
+    Params params = worldsOf(worlds).params();
+    io::parseParams(textOr(json, ""), params);
+    worldsOf(worlds).setParams(params);
+  });
+}
+
+rb_status rb_worlds_array(const rb_worlds* worlds, int32_t which, rb_array* array) {
+  return guarded([&] { need(array, "array") = toC(worldsOf(worlds).array(stateArrayOf(which))); });
+}
+
+rb_status rb_worlds_rows(rb_worlds* worlds, int32_t number, const int32_t** rows, int64_t* count) {
+  return guarded([&] {
+    const std::vector<int> list = worldsOf(worlds).rowsOf(number);
+    worlds->rows.assign(list.begin(), list.end());
+    give(worlds->rows, rows, count);
+  });
+}
+
+rb_status rb_worlds_scatter(rb_worlds* worlds, int32_t which, const rb_array* rows, const rb_array* values) {
+  return guarded([&] {
+    worldsOf(worlds).scatter(stateArrayOf(which), fromC(need(rows, "rows")), fromC(need(values, "values")));
+  });
+}
+
+int64_t rb_worlds_memory_bytes(const rb_worlds* worlds) {
+  return worlds ? static_cast<int64_t>(worlds->worlds->memoryBytes()) : 0;
+}
+}

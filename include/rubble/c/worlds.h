@@ -1,0 +1,43 @@
+#pragma once
+/// Many separate worlds in one engine: the functions of rubble::Worlds. The batch is used by one thread at a
+/// time, together with the handles of its worlds.
+#include <rubble/c/types.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// An empty batch. `options` as for rb_world_create(); backends "cpu" and "reference".
+RB_API rb_status rb_worlds_create(const char* options, rb_worlds** worlds);
+/// Handles of single worlds stay valid until they are destroyed.
+RB_API void rb_worlds_destroy(rb_worlds* worlds);
+/// Adds `count` worlds of a scene; `first`: number of the first one.
+RB_API rb_status rb_worlds_add(rb_worlds* worlds, const rb_scene* scene, int32_t count, int32_t* first);
+RB_API int32_t rb_worlds_count(const rb_worlds* worlds);
+/// One of the worlds as an rb_world, to be destroyed by rb_world_destroy(). Its step leaves all others as
+/// they are. Its snapshots can be restored to every world of the batch.
+RB_API rb_status rb_worlds_world(const rb_worlds* worlds, int32_t number, rb_world** world);
+/// Advances the worlds whose element of `active` (one per world, or null: all) is not 0 by `steps` steps.
+/// `report` may be null.
+RB_API rb_status rb_worlds_step(rb_worlds* worlds, int32_t steps, const uint8_t* active,
+                                rb_step_report* report);
+/// Restores `count` distinct worlds, from one snapshot or from as many.
+RB_API rb_status rb_worlds_reset(rb_worlds* worlds, const int32_t* numbers, int64_t count,
+                                 const rb_snapshot* const* snapshots, int64_t snapshot_count);
+/// All parameters as a JSON object.
+RB_API rb_status rb_worlds_params(const rb_worlds* worlds, const char** json);
+RB_API rb_status rb_worlds_set_params(rb_worlds* worlds, const char* json);
+/// A read-only copy of a state array (rb_state_array) of the bodies of all worlds. Valid until the next call
+/// for the same array.
+RB_API rb_status rb_worlds_array(const rb_worlds* worlds, int32_t which, rb_array* array);
+/// The rows of the bodies of a world in these arrays.
+RB_API rb_status rb_worlds_rows(rb_worlds* worlds, int32_t number, const int32_t** rows, int64_t* count);
+/// As rb_world_scatter(), with rows of rb_worlds_array().
+RB_API rb_status rb_worlds_scatter(rb_worlds* worlds, int32_t which, const rb_array* rows,
+                                   const rb_array* values);
+/// Memory of the tables of the engine [bytes].
+RB_API int64_t rb_worlds_memory_bytes(const rb_worlds* worlds);
+
+#ifdef __cplusplus
+}
+#endif

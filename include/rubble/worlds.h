@@ -1,0 +1,68 @@
+#pragma once
+/// Many separate worlds in one set of tables and one step, for learning and for parameter studies.
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <rubble/world.h>
+
+namespace rubble {
+
+/// Report of a step of many worlds: sums over those that took part.
+struct WorldsReport : StepReport {
+  std::vector<int> brokenIn;  ///< the world of each of `broken`
+};
+
+/// Worlds that share one engine but nothing else: alike or different in all but the parameters of the step.
+/// Each has its own origin, gravity, ids and events. World i has the bits that it has alone, whatever the
+/// others are and do. Ids of bodies, joints and objects are those of their world.
+class Worlds {
+ public:
+  /// Backends: "cpu" and "reference". Throws Error if the options are invalid.
+  explicit Worlds(const WorldOptions& options = {});
+  ~Worlds();
+  Worlds(Worlds&&) noexcept;
+  Worlds& operator=(Worlds&&) noexcept;
+
+  /// Adds a world and returns its number. Throws Error as the constructor of World does.
+  int add(const Scene& scene);
+  /// Adds that many worlds of one scene and returns the number of the first. Shapes are shared.
+  int addCopies(const Scene& scene, int count);
+  int count() const;
+
+  /// One of the worlds, with everything that World offers. Its step() leaves all others as they are.
+  /// Snapshots can be restored to every world of this batch. Not for one of many: sortBodies, setParams.
+  World& operator[](int world);
+  const World& operator[](int world) const;
+
+  /// Advances all worlds by `steps` steps.
+  WorldsReport step(int steps = 1);
+  /// Advances the worlds whose element of `active` is not 0. All others keep their state, with the forces
+  /// that wait for their next step. Throws Error unless there is one element per world.
+  WorldsReport step(int steps, std::span<const char> active);
+
+  /// Restores distinct worlds from one snapshot each, or all of them from one. A snapshot may be of another
+  /// world of this batch. No other world is touched.
+  void reset(std::span<const int> worlds, std::span<const Snapshot> snapshots);
+
+  const Params& params() const;
+  void setParams(const Params& params);
+
+  /// State of the bodies of all worlds, one row per body. Body k of world w has the row rowsOf(w)[k], which
+  /// is firstRow(w) + k unless bodies were added to a world after others had been made. Worlds of one scene
+  /// have an array of shape (worlds, bodies, numbers). The data are a copy, valid until the next call for the
+  /// same array.
+  ArrayView array(StateArray which) const;
+  std::vector<int> rowsOf(int world) const;
+  int firstRow(int world) const;
+  /// As World::scatter, with rows of array().
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
+
+  std::size_t memoryBytes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rubble

@@ -1,0 +1,348 @@
+#include "tables/world_state.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "tables/clean_copy.h"
+#include "tables/contact_lists.h"
+
+namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+/// Elements whose number is part of a state.
+struct StateCounts {
+  int pairs, activePairs, rows, rolls, pointPairs;
+};
+
+/// Maps numbers in the tables to numbers in a world, or back.
+class Numbers {
+ public:
+  Numbers(const SolverData& s, const WorldPart& part, bool toWorld)
+      : s_(s), part_(part), sign_(toWorld ? -1 : 1) {}
+
+  bool toWorld() const { return sign_ < 0; }
+  void body(int& i) const { shift(i, part_.firstBody); }
+  void vertex(int& v) const { shift(v, part_.firstVertex); }
+  template <std::size_t n> void vertices(int (&v)[n]) const {
+    for (int& each : v) vertex(each);
+  }
+  /// Shape and material of a body.
+  void params(BodyParams& p) const {
+    for (const WorldShape& shape : part_.shapes) {
+      const int from = sign_ < 0 ? shape.baseInTables : shape.base,
+                to = sign_ < 0 ? shape.base : shape.baseInTables;
+      if (p.shape.data < from || p.shape.data >= from + shape.size) continue;
+      p.shape.data += to - from;
+      break;
+    }
+    if (p.surface < 0) return;
+    p.surface = sign_ < 0
+                    ? static_cast<int>(std::ranges::find(part_.surfaces, p.surface) - part_.surfaces.begin())
+                    : part_.surfaces[static_cast<std::size_t>(p.surface)];
+  }
+  /// A partner of a pair of points (PointPair::other).
+  void partner(int& other) const {
+    if (other >= kFeatureNode)
+      feature(other);
+    else
+      shift(other, other >= kVertexNode ? part_.firstVertex : part_.firstBody);
+  }
+
+ private:
+  void shift(int& i, int first) const {
+    if (i >= 0) i += sign_ * first;
+  }
+  /// Edges come before triangles, in the tables and in a world.
+  void feature(int& other) const {
+    int k = other - kFeatureNode;
+    if (sign_ < 0)
+      k = k < s_.edges ? k - part_.firstEdge : k - s_.edges - part_.firstFace + part_.edges;
+    else
+      k = k < part_.edges ? k + part_.firstEdge : k - part_.edges + s_.edges + part_.firstFace;
+    other = kFeatureNode + k;
+  }
+
+  const SolverData& s_;
+  const WorldPart& part_;
+  int sign_;
+};
+
+template <class T> bool isVertexState(const ArrayInfo<T>& array) {
+  return array.per == Per::Vertex && array.extra == 0 && array.life == Lifetime::State;
+}
+
+/// Calls io(element, count) and renumbering for all elements of a world but its contacts, in a fixed order.
+/// `Io`: values(T* elements, n), and renumbered(T* elements, n, renumber).
+template <class Io> void visitElements(SolverData& s, const WorldPart& part, Io&& io) {
+  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+    if (isBodyState(array)) {
+      T* const first = &(s.*array.member)[0] + part.firstBody;
+      if constexpr (std::is_same_v<T, int>)
+        if (array.member == &SolverData::asleep)
+          return io.renumbered(first, part.bodies, [](const Numbers& numbers, int& asleep) {
+            int root = asleep - 1;
+            numbers.body(root);
+            asleep = root + 1;
+          });
+      if constexpr (std::is_same_v<T, BodyParams>)
+        io.renumbered(first, part.bodies, [](const Numbers& numbers, BodyParams& p) { numbers.params(p); });
+      else
+        io.values(first, part.bodies);
+    } else if (isVertexState(array)) {
+      io.values(&(s.*array.member)[0] + part.firstVertex, part.vertices);
+    }
+  });
+  forEachType(ElementTypes{}, [&]<class F>() {
+    constexpr int kType = typeIndex<F>(ElementTypes{});
+    if (part.elements[kType] > 0)
+      io.renumbered(s.elementsOf<F>() + part.firstElement[kType], part.elements[kType],
+                    [](const Numbers& numbers, F& element) { numbers.vertices(element.v); });
+  });
+  const auto renumbers = [](const Numbers& numbers, auto& element) { renumber(numbers, element); };
+  if (part.attachments > 0)
+    io.renumbered(&s.attachment[0] + part.firstAttachment, part.attachments, renumbers);
+  forEachType(JointTypes{}, [&]<class F>() {
+    for (const int slot : part.joints[typeIndex<F>(JointTypes{})]) {
+      const JointSpec<F>& spec = s.specsOf<F>()[slot];
+      io.renumbered(s.specsOf<F>() + slot, 1, renumbers);
+      io.renumbered(s.jointsOf<F>() + slot, 1, [&](const Numbers& numbers, Joint<F>& joint) {
+        // a joint that never acted has no bodies in its frame
+        if constexpr (isPivot<F>())
+          if (numbers.toWorld()) joint.end[0].body = spec.a, joint.end[1].body = spec.b;
+        renumber(numbers, joint);
+      });
+    }
+  });
+}
+
+/// Appends elements to a state.
+struct Writer {
+  std::vector<std::byte>& out;
+  const Numbers& numbers;
+  template <class T> void values(const T* from, int count) {
+    const std::size_t at = out.size(), bytes = sizeof(T) * static_cast<std::size_t>(count);
+    out.resize(at + bytes);
+    copyClean(out.data() + at, from, bytes);
+  }
+  template <class T, class Renumber> void renumbered(const T* from, int count, Renumber&& renumber) {
+    for (int i = 0; i < count; ++i) {
+      T element = from[i];
+      renumber(numbers, element);
+      values(&element, 1);
+    }
+  }
+  /// GCC 12 leaves the padding of rows in double precision as it is.
+  void rows(const std::vector<ContactRows>& from) {
+    for (const ContactRows& row : from) {
+      const std::size_t at = out.size();
+      out.resize(at + sizeof row);
+      std::memcpy(out.data() + at, &row, sizeof row);
+      const auto clear = [&](std::size_t begin, std::size_t end) {
+        std::fill(out.data() + at + begin, out.data() + at + end, std::byte{0});
+      };
+      clear(offsetof(ContactRows, manifold) + sizeof row.manifold, offsetof(ContactRows, length));
+      clear(offsetof(ContactRows, perLoad) + sizeof row.perLoad, sizeof row);
+    }
+  }
+  template <class T> void list(const std::vector<T>& from) {
+    values(from.data(), static_cast<int>(from.size()));
+  }
+};
+/// Reads elements of a state.
+struct Reader {
+  std::span<const std::byte> in;
+  const Numbers& numbers;
+  template <class T> void values(T* to, int count) {
+    const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(count);
+    if (bytes > 0) std::memcpy(static_cast<void*>(to), in.data(), bytes);
+    in = in.subspan(bytes);
+  }
+  template <class T, class Renumber> void renumbered(T* to, int count, Renumber&& renumber) {
+    values(to, count);
+    for (int i = 0; i < count; ++i) renumber(numbers, to[i]);
+  }
+  template <class T> void list(std::vector<T>& to, int count) {
+    const std::size_t at = to.size();
+    to.resize(at + static_cast<std::size_t>(count));
+    values(to.data() + at, count);
+  }
+};
+
+}  // namespace
+
+std::vector<OwnerRange> pointOwnersOf(const SolverData& s, const WorldPart& part) {
+  const int corners = s.vertices + s.edges;
+  std::vector<OwnerRange> ranges{{part.firstVertex, part.firstVertex + part.vertices},
+                                 {s.vertices + part.firstEdge, s.vertices + part.firstEdge + part.edges}};
+  if (part.edges + part.faces > 0)
+    ranges.push_back(
+        {corners + kCornerSlots * part.firstBody, corners + kCornerSlots * (part.firstBody + part.bodies)});
+  return ranges;
+}
+
+std::vector<std::byte> takeWorld(const HostTables& tables, const WorldPart& part) {
+  SolverData s = tables.view();
+  const Numbers numbers(s, part, true);
+  BodyContacts bodies;
+  PointContacts points;
+  appendContacts(s, part.firstBody, part.firstBody + part.bodies, bodies);
+  for (Pair& p : bodies.pair) renumber(numbers, p);
+  for (ContactRows& r : bodies.row) renumber(numbers, r);
+  // rolling friction anywhere gives all manifolds such rows
+  const auto resists = [](const RollingRows& r) { return r.rolling > Real(0) || r.torsional > Real(0); };
+  if (std::ranges::none_of(bodies.rolling, resists)) bodies.rolling.clear();
+  if (s.vertices > 0)
+    for (const OwnerRange& owners : pointOwnersOf(s, part))
+      for (int owner = owners.begin; owner < owners.end; ++owner) appendPoints(s, owner, points);
+  for (std::size_t k = 0; k < points.pair.size(); ++k) {
+    PointPair& pair = points.pair[k];
+    pair.vertex = 0, numbers.partner(pair.other);
+    if (pair.other < 0)
+      std::memset(static_cast<void*>(&points.contact[k]), 0, sizeof(PointContact));
+    else
+      renumber(numbers, points.contact[k]);
+  }
+  const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
+  const StateCounts counts{count(bodies.pair), count(bodies.manifold), count(bodies.row),
+                           count(bodies.rolling), count(points.pair)};
+  std::vector<std::byte> out;
+  Writer writer{out, numbers};
+  writer.values(&counts, 1);
+  visitElements(s, part, writer);
+  writer.list(bodies.pairsOfBody), writer.list(bodies.pair), writer.list(bodies.test);
+  writer.list(bodies.activeOfPair), writer.list(bodies.manifold), writer.list(bodies.rolling);
+  writer.rows(bodies.row);
+  writer.list(points.pairsOfOwner), writer.list(points.pair), writer.list(points.contact);
+  return out;
+}
+
+namespace {
+
+/// Reads the contacts of a state behind those of the worlds before it.
+void readContacts(const SolverData& s, const WorldPart& part, Reader& reader, const StateCounts& counts,
+                  BodyContacts& bodies, PointContacts& points) {
+  const Numbers& numbers = reader.numbers;
+  const std::size_t firstPair = bodies.pair.size(), firstManifold = bodies.manifold.size(),
+                    firstRow = bodies.row.size(), firstPoint = points.pair.size();
+  reader.list(bodies.pairsOfBody, part.bodies);
+  reader.list(bodies.pair, counts.pairs), reader.list(bodies.test, counts.pairs);
+  reader.list(bodies.activeOfPair, counts.pairs), reader.list(bodies.manifold, counts.activePairs);
+  if (counts.rolls > 0) bodies.rolling.resize(firstManifold, RollingRows{});
+  reader.list(bodies.rolling, counts.rolls);
+  reader.list(bodies.row, counts.rows);
+  for (std::size_t k = firstPair; k < bodies.pair.size(); ++k) renumber(numbers, bodies.pair[k]);
+  for (std::size_t k = firstManifold; k < bodies.manifold.size(); ++k)
+    if (bodies.manifold[k].row >= 0) bodies.manifold[k].row += static_cast<int>(firstRow);
+  for (std::size_t k = firstRow; k < bodies.row.size(); ++k) {
+    ContactRows& r = bodies.row[k];
+    renumber(numbers, r);
+    r.manifold += static_cast<int>(firstManifold);
+  }
+  int owners = 0;
+  if (s.vertices > 0)
+    for (const OwnerRange& range : pointOwnersOf(s, part)) owners += range.end - range.begin;
+  reader.list(points.pairsOfOwner, owners);
+  reader.list(points.pair, counts.pointPairs), reader.list(points.contact, counts.pointPairs);
+  for (std::size_t k = firstPoint; k < points.pair.size(); ++k) {
+    numbers.partner(points.pair[k].other);
+    if (points.pair[k].other >= 0) renumber(numbers, points.contact[k]);
+  }
+}
+
+/// Replaces the point contacts of changed worlds, which list their owners in ascending order.
+void changePoints(HostTables& tables, std::span<const WorldPart> parts, std::span<const WorldChange> changes,
+                  const std::vector<PointContacts>& changed) {
+  const SolverData& s = tables.view();
+  std::vector<int> changeOf(static_cast<std::size_t>(s.owners()), -1);
+  for (std::size_t k = 0; k < changes.size(); ++k)
+    for (const OwnerRange& range : pointOwnersOf(s, parts[static_cast<std::size_t>(changes[k].world)]))
+      std::fill(changeOf.begin() + range.begin, changeOf.begin() + range.end, static_cast<int>(k));
+  std::vector<std::size_t> owners(changes.size(), 0), pairs(changes.size(), 0);  // those taken
+  PointContacts all;
+  for (int owner = 0; owner < s.owners(); ++owner) {
+    const int change = changeOf[static_cast<std::size_t>(owner)];
+    if (change < 0) {
+      appendPoints(s, owner, all);
+      continue;
+    }
+    const auto k = static_cast<std::size_t>(change);
+    const int count = changed[k].pairsOfOwner[owners[k]++];
+    const auto first = static_cast<std::ptrdiff_t>(pairs[k]);
+    all.pairsOfOwner.push_back(count);
+    all.pair.insert(all.pair.end(), changed[k].pair.begin() + first, changed[k].pair.begin() + first + count);
+    all.contact.insert(all.contact.end(), changed[k].contact.begin() + first,
+                       changed[k].contact.begin() + first + count);
+    pairs[k] += static_cast<std::size_t>(count);
+  }
+  storePoints(tables, all);
+}
+
+/// What the tables derive from joints and bodies of a world, before and after a change.
+class Derived {
+ public:
+  Derived(HostTables& tables, const WorldPart& part, TraitCounts& traits)
+      : tables_(tables), part_(part), traits_(traits) {
+    const SolverData& s = tables.view();
+    for (int i = part.firstBody; i < part.firstBody + part.bodies; ++i)
+      kinds_.push_back(s.params[i].kind), traits.count(s.extras[i].traits, -1);
+    forEachLinks([&](JointRef, const JointLinks& links) { links_.push_back(links); });
+  }
+  ~Derived() {
+    const SolverData& s = tables_.view();
+    for (int k = 0; k < part_.bodies; ++k) {
+      const int body = part_.firstBody + k;
+      if (s.params[body].kind != kinds_[static_cast<std::size_t>(k)]) tables_.trees.touch(body);
+      traits_.count(s.extras[body].traits, 1);
+    }
+    std::size_t k = 0;
+    forEachLinks(
+        [&](JointRef joint, const JointLinks& links) { tables_.trees.relink(joint, links_[k++], links); });
+  }
+  Derived(const Derived&) = delete;
+  Derived& operator=(const Derived&) = delete;
+
+ private:
+  template <class Visit> void forEachLinks(Visit&& visit) {
+    forEachType(JointTypes{}, [&]<class F>() {
+      constexpr int kType = typeIndex<F>(JointTypes{});
+      for (const int slot : part_.joints[kType])
+        visit(JointRef{kType, slot}, linksOf<F>(tables_.view().specsOf<F>()[slot]));
+    });
+  }
+  HostTables& tables_;
+  const WorldPart& part_;
+  TraitCounts& traits_;
+  std::vector<BodyKind> kinds_;
+  std::vector<JointLinks> links_;
+};
+
+}  // namespace
+
+void putWorlds(HostTables& tables, std::span<const WorldPart> parts, std::span<const WorldChange> changes) {
+  SolverData& s = tables.view();
+  BodyContacts bodies;
+  std::vector<PointContacts> changedPoints(changes.size());
+  TraitCounts traits = tables.traits();
+  int next = 0;  // the contacts of bodies before it are in the list
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    const WorldPart& part = parts[static_cast<std::size_t>(changes[k].world)];
+    appendContacts(s, next, part.firstBody, bodies);
+    next = part.firstBody + part.bodies;
+    const Numbers numbers(s, part, false);
+    Reader reader{changes[k].state, numbers};
+    StateCounts counts;
+    reader.values(&counts, 1);
+    {
+      const Derived derived(tables, part, traits);
+      visitElements(s, part, reader);
+    }
+    readContacts(s, part, reader, counts, bodies, changedPoints[k]);
+  }
+  appendContacts(s, next, s.bodies, bodies);
+  tables.setTraits(traits);
+  if (s.vertices > 0) changePoints(tables, parts, changes, changedPoints);
+  storeContacts(tables, bodies);
+}
+
+}  // namespace rubble::RUBBLE_CORE

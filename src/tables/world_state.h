@@ -1,0 +1,46 @@
+#pragma once
+/// The state of one world of a batch, in numbers of its own: bodies, vertices and joints count from 0. Equal
+/// states of two worlds have equal bytes, wherever the worlds lie in the tables.
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "tables/host_tables.h"
+#include "tables/records.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// The elements of a world in the tables. All but joints are consecutive.
+struct WorldPart {
+  int firstBody = 0, bodies = 0;
+  int firstVertex = 0, vertices = 0;
+  int firstEdge = 0, edges = 0;
+  int firstFace = 0, faces = 0;  ///< of the triangles
+  int firstAttachment = 0, attachments = 0;
+  int firstElement[ElementTypes::kSize] = {}, elements[ElementTypes::kSize] = {};
+  std::vector<int> joints[JointTypes::kSize];  ///< slots
+  std::vector<WorldShape> shapes;
+  std::vector<int> surfaces;
+};
+
+/// Owners of pairs of points.
+struct OwnerRange {
+  int begin, end;
+};
+/// Those of a world, ascending: vertices, edges, and the corners of its bodies if it has surfaces.
+std::vector<OwnerRange> pointOwnersOf(const SolverData& s, const WorldPart& part);
+
+/// The state of a world between steps: bodies with their parameters, joints, deformable objects, and contacts
+/// with their multipliers and rows.
+std::vector<std::byte> takeWorld(const HostTables& tables, const WorldPart& part);
+
+/// A state that replaces that of world `world`, which has as many bodies, vertices, joints and elements.
+struct WorldChange {
+  int world;
+  std::span<const std::byte> state;
+};
+/// Replaces states. `parts`: all worlds, in the order of their bodies. `changes`: in ascending order of
+/// worlds. All other worlds keep their bits.
+void putWorlds(HostTables& tables, std::span<const WorldPart> parts, std::span<const WorldChange> changes);
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,137 @@
+#pragma once
+/// Many worlds in one engine. Each world sees an engine of its own, with its own numbers of bodies, joints
+/// and vertices (WorldSlice).
+#include <map>
+#include <set>
+
+#include "backend/engine.h"
+
+namespace rubble {
+
+/// What a world refers to, in its own numbers. A snapshot has a copy.
+struct WorldReferences {
+  struct PlacedShape {
+    AddShape shape;
+    int base;  ///< offset of its indices
+  };
+  std::vector<PlacedShape> shapes;  ///< ascending in `base`
+  int shapeIndices = 0;
+  std::vector<Material> surfaces;
+  std::vector<int> planes;  ///< bodies
+  std::set<std::pair<int, int>> excluded;
+  std::vector<EngineSoftObject> objects;      ///< `previous`: in the tables
+  std::vector<EngineAttachment> attachments;  ///< the same
+};
+
+/// State of a world of a batch. Can be restored to every world of the same family.
+class WorldSnapshot final : public EngineSnapshot {
+ public:
+  std::vector<std::byte> bytes() const override;
+
+  std::shared_ptr<const int> family;
+  std::vector<std::byte> state;
+  double previousDt = 0;
+  std::size_t bodies = 0;
+  std::vector<std::size_t> joints;  ///< slots by type
+  WorldReferences references;
+};
+
+class Batch {
+ public:
+  /// `family`: shared by the batches whose worlds exchange snapshots. Throws Error if the engine can hold one
+  /// world only.
+  Batch(std::unique_ptr<Engine> engine, const Params& params, std::shared_ptr<const int> family);
+
+  int count() const { return static_cast<int>(members_.size()); }
+  int addWorld();
+  void apply(int world, const Edit& edit);
+  /// Places the elements that edits have added.
+  void flush();
+  Engine& engine() { return *engine_; }
+  BatchEngine& worlds() { return *engine_->batch(); }
+  /// Row in the arrays of the engine of each body of a world.
+  const std::vector<int>& rowsOf(int world) const { return members_[static_cast<std::size_t>(world)].bodies; }
+  /// Number of rows, with those of bodies of no world.
+  int rows() const { return bodies_; }
+  void setParams(const Params& params);
+  void configure(int world, const EngineSettings& settings);
+
+  std::shared_ptr<const WorldSnapshot> snapshot(int world);
+  /// Throws Error unless a world of this batch can be restored from it.
+  const WorldSnapshot& own(const EngineSnapshot& snapshot) const;
+  /// `snapshots`: one for each of the worlds, which are distinct.
+  void restore(std::span<const int> worlds, std::span<const WorldSnapshot* const> snapshots);
+
+ private:
+  struct Member {
+    std::vector<int> bodies;               ///< ids in the tables
+    std::vector<std::vector<int>> joints;  ///< slots in the tables, by type
+    WorldReferences references;
+    std::vector<WorldShape> shapes;  ///< of its references, in the tables
+    std::vector<int> surfaces;       ///< the same
+    SoftRange first, count;          ///< of its deformable objects in the tables
+    int firstAttachment = 0, attachments = 0;
+  };
+  struct Translate;
+  int surfaceOf(const Material& material);
+  int placeShape(const AddShape& edit);
+  void flushSofts();
+  void takeReferences(int world, const WorldSnapshot& snapshot);
+
+  std::unique_ptr<Engine> engine_;
+  Params params_;
+  std::shared_ptr<const int> family_;
+  std::vector<Member> members_;
+  int bodies_ = 0;
+  std::vector<int> jointSlots_;                ///< by type
+  std::vector<int> spareBodies_;               ///< of no world
+  std::vector<std::vector<int>> spareJoints_;  ///< likewise, by type
+  std::vector<Material> surfaces_;
+  std::map<std::shared_ptr<const CookedShape>, int> shapes_;  ///< offset of their indices
+  int shapeIndices_ = 0;
+  std::map<int, EngineSettings> settings_;  ///< of worlds, not yet given to the engine
+  bool layoutChanged_ = false, softsChanged_ = false, planesChanged_ = false;
+};
+
+/// The engine of one world of a batch.
+class WorldSlice final : public Engine {
+ public:
+  WorldSlice(std::shared_ptr<Batch> batch, int world) : batch_(std::move(batch)), world_(world) {}
+
+  void configure(const EngineSettings& settings) override { batch_->configure(world_, settings); }
+  void apply(std::span<const Edit> edits) override {
+    for (const Edit& edit : edits) batch_->apply(world_, edit);
+  }
+  /// A step of this world alone.
+  void step(StepReport& report) override;
+  void sortBodies() override;
+  BodyState bodyState(int id) override { return batch_->engine().bodyState(row(id)); }
+  const TableReader& read(Fetch, int) override {
+    batch_->flush();
+    return batch_->worlds().readWorld(world_);
+  }
+  std::span<EngineQuery> queryRoom(std::size_t n) override { return batch_->engine().queryRoom(n); }
+  std::span<const EngineHit> hits(const EngineQueries& asked) override {
+    return batch_->engine().hits(ofWorld(asked));
+  }
+  EngineOverlaps overlaps(const EngineQueries& asked) override {
+    return batch_->engine().overlaps(ofWorld(asked));
+  }
+  ArrayView array(StateArray which) override;
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override;
+  bool reserve(const std::string& kind, int count) override { return batch_->engine().reserve(kind, count); }
+  std::size_t memoryBytes() const override { return batch_->engine().memoryBytes(); }
+  /// Of everything that the world has.
+  std::vector<TableHash> tableHashes() override { return {{"world", hashOf(snapshot()->bytes())}}; }
+  std::shared_ptr<const EngineSnapshot> snapshot() override { return batch_->snapshot(world_); }
+  void restore(const EngineSnapshot& snapshot) override;
+
+ private:
+  int row(int id) const { return batch_->rowsOf(world_)[static_cast<std::size_t>(id)]; }
+  const EngineQueries& ofWorld(const EngineQueries& asked);
+
+  std::shared_ptr<Batch> batch_;
+  int world_;
+};
+
+}  // namespace rubble
