@@ -26,7 +26,7 @@ void setBody(HostTables& tables, int slot, const EngineBody& body);
 /// Clears the contacts of bodies. `ids`: ascending.
 void forgetContacts(HostTables& tables, std::span<const int> ids);
 /// `firstOfWorld`: of a batch.
-void setPlanes(HostTables& tables, std::span<const int> ids, std::span<const int> firstOfWorld);
+void setPlanes(HostTables& tables, std::span<const int> ids, std::span<const int> firstOfWorld = {});
 void setJointCount(HostTables& tables, int type, int ids);
 /// Bodies of joints are ids.
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
