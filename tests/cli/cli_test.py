@@ -53,10 +53,28 @@ class Case(unittest.TestCase):
         return done
 
 
+class Replay(Case):
+    def test_the_same_bits_or_the_first_difference(self):
+        log = self.path("fall.inputs")
+        self.rubble("run", self.falling(), "--steps", "5", "--quiet", "--record-inputs", log)
+        self.assertIn("5 steps, the same bits", self.rubble("replay", log, "--check", "--threads", "2").stdout)
+        with open(log, encoding="utf-8") as file:
+            lines = file.read().splitlines()
+        step = json.loads(lines[3])
+        step["hashes"] = [value + 1 for value in step["hashes"]]
+        lines[3] = json.dumps(step)
+        other = self.write("other.inputs", "\n".join(lines) + "\n")
+        self.assertIn("after step 3", self.rubble("replay", other, "--check", status=1).stdout)
+        self.rubble("replay", other)
+        self.refused("replay", self.write("damaged.inputs", lines[0] + "\n{"), says="line 2")
+        self.refused("replay", self.path("none"), says="none")
+
+
 class Usage(Case):
     def test_help_everywhere(self):
         self.assertIn("Subcommands", self.rubble("--help").stdout)
-        for command in ["run", "bench", "check", "compare", "demo", "info", "picture", "plot", "render", "soak", "view"]:
+        for command in ["run", "bench", "check", "compare", "demo", "info", "picture", "plot", "render",
+                        "replay", "soak", "view"]:
             self.assertIn("Usage: rubble " + command, self.rubble(command, "--help").stdout)
         self.assertRegex(self.rubble("--version").stdout, r"^rubble \d+\.\d+\.\d+")
 
