@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "stages/pairs/filter.h"
 #include "tables/exclusions.h"
 #include "tables/soft_edit.h"
 #include "tables/table_edit.h"
@@ -41,7 +42,10 @@ struct Needs {
     int& count = joints[static_cast<int>(e.joint.type)];
     count = std::max(count, e.slot + 1);
   }
-  void operator()(const SetExcluded& e) { exclusions += e.excluded; }
+  void operator()(const SetExcluded& e) {
+    exclusions += e.excluded &&
+                  !isExcluded(tables.view(), {std::min(e.a, e.b), std::max(e.a, e.b), e.world});
+  }
   void operator()(const SetDeformables&) {}
   void operator()(const SetVertices&) {}
   void operator()(const AddVertexForce&) {}

@@ -112,7 +112,7 @@ template <> struct OnDevice<RecycleManifolds> { using Type = RecycleManifoldByLa
 struct BuildRowsOfPoint {
   static constexpr const char* kStage = BuildContactRows::kStage;
   static constexpr int kWidth = kLanes;
-  static constexpr int kBlocks = 7;
+  static constexpr int kBlocks = 8;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     if (s.hasRows[i] == 0) return;
     Manifold& m = s.manifold[i];
