@@ -43,8 +43,7 @@ struct Needs {
     count = std::max(count, e.slot + 1);
   }
   void operator()(const SetExcluded& e) {
-    exclusions += e.excluded &&
-                  !isExcluded(tables.view(), {std::min(e.a, e.b), std::max(e.a, e.b), e.world});
+    exclusions += e.excluded && !isExcluded(tables.view(), {std::min(e.a, e.b), std::max(e.a, e.b), e.world});
   }
   void operator()(const SetDeformables&) {}
   void operator()(const SetVertices&) {}

@@ -218,7 +218,7 @@ std::vector<TableHash> hashTables(const HostTables& tables,
     if constexpr (isExclusions<T>)
       saveExclusions(tables, content.data());
     else
-      copyClean(content.data(), tables.view().*array.member, bytes);
+      copyClean(content.data(), static_cast<const T*>(tables.view().*array.member), bytes);
     const std::string name = jointTypeOf(array.per) >= 0 ? std::string("joint ") + array.name : array.name;
     out.push_back({array.life == Lifetime::Authored ? "authored " + name : name, hash(content)});
   });
@@ -235,7 +235,7 @@ void reserve(HostTables& tables, const SavedCounts& counts) {
   tables.reserve(Per::Plane, counts.planes);
   reserveSoft(tables, counts.soft, std::max(tables.view().bodies, slotsFor(counts.bodies)));
   tables.reserve(Per::PointPair, counts.pointPairs);
-  reserveExclusions(tables, counts.exclusions);
+  reserveExclusions(tables, std::max(0, counts.exclusions - tables.excludedPairs));
   tables.reserve(Per::ShapeVector, counts.shapeVectors);
   tables.reserve(Per::ShapeIndex, counts.shapeIndices);
   tables.reserve(Per::ShapePart, counts.shapeParts);
