@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstring>
 #include <deque>
-#include <ranges>
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -247,7 +246,8 @@ ArrayView Worlds::array(StateArray which) const {
 std::vector<int> Worlds::rowsOf(int world) const {
   const int first = firstRow(world);
   std::vector<int> rows = impl_->batchOf(world).rowsOf(world % kWorldsPerEngine);
-  for (int& row : rows | std::views::reverse) row += first - rows.front();
+  const int shift = rows.empty() ? 0 : first - rows.front();
+  for (int& row : rows) row += shift;
   return rows;
 }
 
