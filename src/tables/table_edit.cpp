@@ -193,6 +193,7 @@ void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, co
 }
 
 void setPlanes(HostTables& tables, std::span<const int> ids, std::span<const int> firstOfWorld) {
+  tables.reserve(Per::Plane, static_cast<int>(ids.size()));
   SolverData& s = tables.view();
   s.planes = static_cast<int>(ids.size());
   for (int i = 0; i < s.planes; ++i) s.planeBody[i] = slotOf(tables, ids[static_cast<std::size_t>(i)]);

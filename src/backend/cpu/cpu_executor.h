@@ -163,7 +163,8 @@ class CpuExecutor {
 
   // Scratch memory between steps, used by stages/pairs/order.h.
   template <class T> T* room(int n) {
-    rooms_.emplace_back(HostMemory::allocate(sizeof(T) * static_cast<std::size_t>(n)));
+    std::unique_ptr<void, Release> memory(HostMemory::allocate(sizeof(T) * static_cast<std::size_t>(n)));
+    rooms_.push_back(std::move(memory));
     return static_cast<T*>(rooms_.back().get());
   }
   void order(const std::uint64_t* keys, int* to, int n) {
