@@ -25,9 +25,10 @@ for name in sorted(exported - declared):
 print(f"{len(exported)} functions are exported")
 
 # Functions of the C library that act on the whole process, or write to its console.
-PROCESS = re.compile(r"^(signal|sigaction|sigprocmask|setlocale|_?exit|quick_exit|fork|system|popen|chdir|setenv|"
-                     r"putenv|v?printf|v?fprintf|__v?f?printf_chk|puts|putchar|perror|stdout|stderr)$")
-needed = subprocess.run(["nm", "-D", "--undefined-only", library], check=True, capture_output=True, text=True).stdout
+PROCESS = re.compile(r"^(signal|sigaction|sigprocmask|setlocale|_?exit|quick_exit|fork|system|popen|chdir|"
+                     r"setenv|putenv|v?printf|v?fprintf|__v?f?printf_chk|puts|putchar|perror|stdout|stderr)$")
+needed = subprocess.run(["nm", "-D", "--undefined-only", library], check=True, capture_output=True,
+                        text=True).stdout
 reaching = sorted({name for name in re.findall(r"\b[Uw] ([A-Za-z_]\w*)", needed) if PROCESS.match(name)})
 for name in reaching:
     print(f"acts on the whole process: {name}")

@@ -57,7 +57,8 @@ class Replay(Case):
     def test_the_same_bits_or_the_first_difference(self):
         log = self.path("fall.inputs")
         self.rubble("run", self.falling(), "--steps", "5", "--quiet", "--record-inputs", log)
-        self.assertIn("5 steps, the same bits", self.rubble("replay", log, "--check", "--threads", "2").stdout)
+        replayed = self.rubble("replay", log, "--check", "--threads", "2").stdout
+        self.assertIn("5 steps, the same bits", replayed)
         with open(log, encoding="utf-8") as file:
             lines = file.read().splitlines()
         step = json.loads(lines[3])

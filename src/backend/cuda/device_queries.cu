@@ -16,7 +16,7 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// Blocks per multiprocessor: threads are worth more to a query than registers (docs/research/tuning-log.md).
+/// Blocks per multiprocessor: threads are worth more to a query than registers (docs/research/edits.md).
 inline constexpr int kQueryBlocks = 8;
 
 template <class Kernel>
