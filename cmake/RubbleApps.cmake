@@ -77,6 +77,7 @@ if(RUBBLE_APPS)
   if(rubble_viewer)
     target_link_libraries(rubble_commands PRIVATE rubble_viewer)
   endif()
+  rubble_compile_quickly(rubble_commands)
   rubble_precompile(rubble_commands <CLI/CLI.hpp> <fmt/format.h> <nlohmann/json.hpp>)
 
   add_executable(rubble_cli apps/cli/main.cpp)

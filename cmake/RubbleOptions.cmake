@@ -35,6 +35,11 @@ function(rubble_precompile target)
   endif()
 endfunction()
 
+# Tests and commands wait for the engine, whose own objects are optimised: theirs compile in two thirds of the time without.
+function(rubble_compile_quickly target)
+  target_compile_options(${target} PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>)
+endfunction()
+
 add_library(rubble_warnings INTERFACE)
 # -Wno-psabi: lanes are wider than a baseline register, and no function that takes them by value is called from elsewhere.
 target_compile_options(rubble_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wconversion -Wno-psabi>)
