@@ -299,11 +299,13 @@ class CudaExecutor : private KernelLauncher {
     afterKernel_ = false;
   }
 
-  /// The same from the host, so that each kernel is announced.
+  /// The same from the host, so that each kernel is announced. It counts as one operation, as above: a step
+  /// that stops later is resumed by number.
   template <class Take, class Propose>
   void roundsOneByOne(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
                       int Counters::*turn) {
     if (!begins()) return;
+    const int next = operation_;
     Counters c;
     const auto copy = [&](void* to, const void* from, cudaMemcpyKind kind) {
       checkCuda(cudaMemcpyAsync(to, from, sizeof(int), kind, stream_), "cudaMemcpyAsync");
@@ -314,6 +316,7 @@ class CudaExecutor : private KernelLauncher {
       copy(&(c.*count), counter(count), cudaMemcpyDeviceToHost);
       copy(&(c.*left), counter(left), cudaMemcpyDeviceToHost);
       copy(&(c.*turn), counter(turn), cudaMemcpyDeviceToHost);
+      operation_ = next;
       if (c.*left == 0 || c.*turn >= kMaxRounds) return;
       forEach(take, c.*count);
       c.*left = 0, ++(c.*turn);
