@@ -39,7 +39,7 @@ struct alignas(4 * sizeof(Real)) PointLoad {
   Real kN;                         ///< stiffness of the normal row [N/m]
 };
 struct alignas(4 * sizeof(Real)) PointSlip {
-  Real drift1, drift2;  ///< C_t at x^t before regularization, in the same basis [m]
+  Real drift1, drift2;  ///< share of C_t at x^t that the rows correct in this step, in the same basis [m]
   Real mu;  ///< static or dynamic friction coefficient, by the state of the manifold in the last step [1]
   Real kT;  ///< stiffness of the two tangential rows [N/m]
 };
@@ -110,17 +110,16 @@ template <class L> RUBBLE_HD L along(const Vec3& u, const Vec3T<L>& d) {
 
 /// Errors and bounded forces at the given displacements.
 template <class L>
-RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRows& m,
-                                         const ContactFrame<L>& f, const Displacement& a,
-                                         const Displacement& b) {
+RUBBLE_HD ContactForces<L> contactForces(bool coneHessian, const ContactRows& m, const ContactFrame<L>& f,
+                                         const Displacement& a, const Displacement& b) {
   using A = LaneAccess<L>;
   const Vec3T<L> d = relativeDisplacement(f, a, b);
   ContactForces<L> o;
   o.cN = f.c0 + along(m.n, d);
-  o.c1 = c.driftCorrection * f.slip.x + along(f.t1, d);
-  o.c2 = c.driftCorrection * f.slip.y + along(f.t2, d);
+  o.c1 = f.slip.x + along(f.t1, d);
+  o.c2 = f.slip.y + along(f.t2, d);
   o.fN = minOf(maxOf(f.load.w * o.cN + f.load.x, A::splat(0)), A::splat(m.most));
-  o.t = frictionForce(f.slip.w, o.c1, o.c2, f.load.y, f.load.z, o.fN, f.slip.z, f.slip.z, c.coneHessian);
+  o.t = frictionForce(f.slip.w, o.c1, o.c2, f.load.y, f.load.z, o.fN, f.slip.z, f.slip.z, coneHessian);
   return o;
 }
 
@@ -128,11 +127,11 @@ RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRo
 /// [[W, -W [r]], [[r] W, -[r] W [r]]] with W = k_n n n^T + tangential part. The block may be about a point
 /// other than the center of the body; the center then lies `shift` from it. Hessians are scaled by `weight`.
 template <class L>
-RUBBLE_HD void accumulateContact(const StepConstants& c, const ContactRows& m, bool onA,
-                                 const Displacement& a, const Displacement& b, int lane, Block6T<L>& block,
+RUBBLE_HD void accumulateContact(bool coneHessian, const ContactRows& m, bool onA, const Displacement& a,
+                                 const Displacement& b, int lane, Block6T<L>& block,
                                  const Vec3& shift = {0, 0, 0}, Real weight = 1) {
   const ContactFrame<L> f = contactFrame<L>(m, lane);
-  const ContactForces<L> o = contactForces(c, m, f, a, b);
+  const ContactForces<L> o = contactForces(coneHessian, m, f, a, b);
   const Vec3T<L>& own = onA ? f.rA : f.rB;
   const Vec3T<L> r{own.x + shift.x, own.y + shift.y, own.z + shift.z};
   const Vec3 &n = m.n, &t1 = f.t1, &t2 = f.t2;
@@ -152,7 +151,7 @@ RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const 
                                   const Displacement& b, int lane) {
   using A = LaneAccess<L>;
   const ContactFrame<L> f = contactFrame<L>(m, lane);
-  const ContactForces<L> o = contactForces(c, m, f, a, b);
+  const ContactForces<L> o = contactForces(false, m, f, a, b);  // without Hessians
   const L kN = f.load.w, kT = f.slip.w;
   const auto sticks = o.t.inside > A::splat(0);
 

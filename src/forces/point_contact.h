@@ -46,28 +46,30 @@ struct alignas(4 * sizeof(Real)) PointContact {  // aligned for vectorized loads
   RUBBLE_HD Vec3 displacement(const Displacement& a, const Vec3& moved) const {
     return body >= 0 ? moved + a.dp + cross(a.dw, lever) : moved;
   }
-  RUBBLE_HD Forces forces(const StepConstants& c, const Vec3& d) const {
+  RUBBLE_HD Forces forces(const StepConstants& c, bool coneHessian, const Vec3& d) const {
     Forces o;
     tangentBasis(n, o.t1, o.t2);
     o.cN = c0 + dot(n, d);
     o.c1 = c.driftCorrection * drift1 + dot(o.t1, d);
     o.c2 = c.driftCorrection * drift2 + dot(o.t2, d);
     o.fN = max(kN * o.cN + lambdaN, Real(0));
-    o.t = frictionForce<Real>(kT, o.c1, o.c2, lambda1, lambda2, o.fN, mu, muDynamic, c.coneHessian);
+    o.t = frictionForce<Real>(kT, o.c1, o.c2, lambda1, lambda2, o.fN, mu, muDynamic, coneHessian);
     return o;
   }
-  RUBBLE_HD void accumulateVertex(const StepConstants& c, const Vec3& d, int corner, Block3& block) const {
-    const Forces o = forces(c, d);
+  RUBBLE_HD void accumulateVertex(const StepConstants& c, bool coneHessian, const Vec3& d, int corner,
+                                  Block3& block) const {
+    const Forces o = forces(c, coneHessian, d);
     const Real w = weight[corner];
     block.f -= w * o.vector(n);
     block.h += (w * w) * o.hessian(n, kN);
   }
-  RUBBLE_HD void accumulateBody(const StepConstants& c, const Vec3& d, Block6& block) const {
-    const Forces o = forces(c, d);
+  RUBBLE_HD void accumulateBody(const StepConstants& c, bool coneHessian, const Vec3& d,
+                                Block6& block) const {
+    const Forces o = forces(c, coneHessian, d);
     addAtLever(block, lever, -o.vector(n), o.hessian(n, kN));
   }
   RUBBLE_HD void updateDual(const StepConstants& c, const Vec3& d) {
-    const Forces o = forces(c, d);
+    const Forces o = forces(c, false, d);  // without Hessians
     const bool inside = o.t.inside > Real(0);
     lambdaN = o.fN, lambda1 = o.t.f1, lambda2 = o.t.f2;
     if (!inside) mu = muDynamic;

@@ -46,6 +46,7 @@ inline Real thresholdOf(double a) { return Real(a < static_cast<double>(kUnreach
 struct StepPlan {
   int iterations = 0;
   bool sleeping = false, coarseCorrection = false, jointTrees = false, literalRotations = false;
+  bool coneHessian = false;  ///< Hessian of friction (friction.h)
   Real acceleration = 0;  ///< rho of the accelerated sweeps over deformables [1]
 };
 
@@ -66,7 +67,7 @@ struct alignas(16) StepConstants {
   Real gravitySize;       ///< g [m/s2]
   Real loadAcceleration;  ///< a: a load lambda stands for the mass |lambda| / a [m/s2]
   double perFall;  ///< 1 / (g dt^2) [1/m]: the unit length of spatial cells depends on gravity and dt only
-  bool coneHessian, inactiveRows, impactRule, compliantRows;
+  bool inactiveRows, impactRule, compliantRows;
   Real driftCorrection;   ///< share of a tangential drift that is corrected per step [1]
   Real contactMargin;     ///< d_min over L [1]
   Real recycleTolerance;  ///< [1], [rad]

@@ -13,6 +13,7 @@ inline StepPlan stepPlan(const Params& params) {
           t.coarseCorrection,
           t.jointTrees,
           params.preset == Preset::Demo3d,
+          t.coneHessian,
           static_cast<Real>(t.acceleration)};
 }
 
@@ -55,7 +56,6 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.contactPolicy = t.contactPolicy;
   c.jointPolicy = t.jointPolicy;
   setGravity(c, params, gravity);
-  c.coneHessian = t.coneHessian;
   c.inactiveRows = t.dormantRows;
   c.impactRule = t.impactRule;
   c.compliantRows = t.compliantRows;

@@ -60,6 +60,7 @@ template <Executor E> void finish(E& e) {
   soft::finishRows(e);
   ccd::stop(e);
   bounces::find(e);
+  islands::findFree(e);
   bodies::finish(e);
   bounces::act(e);
   trees::finish(e);

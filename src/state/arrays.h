@@ -63,7 +63,7 @@ template <class F> void forEachArray(F&& f) {
        Lifetime::Authored);
     is(static_cast<Array<Joint<J>> SolverData::*>(&JointTable<J>::joint), J::kName, "", per, Lifetime::State);
     is(static_cast<Array<TreeRows<J>> SolverData::*>(&JointTable<J>::treeRows), J::kName, "", per,
-       Lifetime::Unordered);
+       Lifetime::Work);
     if constexpr (hasAngularRows<J>())
       is(static_cast<Array<JointAngularRows<J>> SolverData::*>(&JointTable<J>::angularRows), J::kName, "",
          per, Lifetime::Work);
@@ -106,7 +106,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::isRoot, "isRoot", "", Per::NodeLevel, Lifetime::Work);
   is(&SolverData::aggregateIndex, "aggregateIndex", "", Per::NodeLevel, Lifetime::Work, 1);
   is(&SolverData::aggregateOf, "aggregateOf", "", Per::NodeLevel, Lifetime::Work);
-  is(&SolverData::aggregateNode, "aggregateNode", "", Per::NodeLevel, Lifetime::Unordered);
+  is(&SolverData::aggregateNode, "aggregateNode", "", Per::NodeLevel, Lifetime::Work);
   is(&SolverData::aggregate, "aggregate", "", Per::Aggregate, Lifetime::Work);
   is(&SolverData::aggregateOffset, "aggregateOffset", "", Per::Aggregate, Lifetime::Work, 1);
   is(&SolverData::aggregateSlices, "aggregateSlices", "", Per::Aggregate, Lifetime::Work);

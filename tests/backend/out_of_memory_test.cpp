@@ -297,8 +297,6 @@ TEST(OutOfMemory, InAStepKeepsThePosesOrTakesTheStep) {
     for (int steps = 0; steps < 3; ++steps) {
       const auto make = [&] {
         World world(scene, optionsOfAll());
-        // the one table that a step grows after it has written poses (docs/embedding.md)
-        world.reserve("freeIslands", 16);
         test::run(world, steps);
         if (sorts) world.sortBodies();
         return world;

@@ -85,5 +85,21 @@ TEST(RUBBLE_TRIG_SUITE, SignedAnglesAreThoseOfVectorsOfAnyLengthAndDirection) {
               std::isnan(signedAngleOf(none, none)));
 }
 
+TEST(RUBBLE_TRIG_SUITE, DecayAgreesWithTheExponential) {
+  test::Random random(10);
+  const long double units = sizeof(Real) == sizeof(float) ? 1 : 100;
+  for (int i = 0; i < 20000; ++i) {
+    const Real x = static_cast<Real>(random.logUniform(1e-30, 80));
+    const Decay got = decayOver(x);
+    const long double wide = x, left = std::exp(-wide), mean = -std::expm1(-wide) / wide;
+    EXPECT_NEAR(static_cast<double>((got.left - left) / left), 0, static_cast<double>(units * kUnit)) << x;
+    EXPECT_NEAR(static_cast<double>((got.mean - mean) / mean), 0, static_cast<double>(units * kUnit)) << x;
+  }
+  EXPECT_EQ(decayOver(Real(0)).left, Real(1));
+  EXPECT_EQ(decayOver(Real(0)).mean, Real(1));
+  const Decay none = decayOver(std::numeric_limits<Real>::max());
+  EXPECT_EQ(none.left, Real(0));
+  EXPECT_TRUE(none.mean >= Real(0) && none.mean < Real(1e-30));
+}
 }  // namespace
 }  // namespace rubble::RUBBLE_CORE

@@ -138,7 +138,7 @@ TEST(StepConstants, OfThePaperAreThoseOfTheAvbdAbstract) {
   EXPECT_EQ(c.gamma, .99);
   EXPECT_EQ(c.contactRampRate, 10);
   EXPECT_TRUE(c.literalBeta);
-  EXPECT_FALSE(c.coneHessian);
+  EXPECT_FALSE(stepPlan(params).coneHessian);
   EXPECT_FALSE(c.compliantRows);
 }
 

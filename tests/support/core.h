@@ -35,7 +35,7 @@ inline StepConstants testConstants() {
   params.tuning.startStiffness = 1;
   params.tuning.tangentStiffness = 1;
   params.tuning.contactPolicy = params.tuning.jointPolicy = StiffnessPolicy::Ramp;
-  params.tuning.coneHessian = params.tuning.compliantRows = true;
+  params.tuning.compliantRows = true;
   return stepConstants(params, {0, 0, -10}, 0);
 }
 

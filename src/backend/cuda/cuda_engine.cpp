@@ -211,7 +211,8 @@ const HostTables& CudaEngine::tablesNow() {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     // rows have memory of their own here
     if constexpr (std::is_same_v<T, ContactRows>) to.contact = seenRows_.data();
-    copy(to.*array.member, device.*array.member, sizeof(T) * elementsWritten(*seen_, array.per));
+    const int room = stepper_.tables().capacity(array.per);
+    copy(to.*array.member, device.*array.member, sizeof(T) * static_cast<std::size_t>(room));
   });
   return *seen_;
 }

@@ -209,7 +209,7 @@ template <ExtraRows extra> __device__ Block6 gatherHighDegree(const SolverData& 
     const ContactRows& r = s.contact[constraintIndex(incidence.code)];
     const bool onA = constraintSide(incidence.code) == 0;
     const Displacement other = s.dx[onA ? r.b : r.a];
-    accumulateContact<Real>(*s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
+    accumulateContact<Real>(s.plan.coneHessian, r, onA, onA ? own : other, onA ? other : own, point, sum);
   }
   if constexpr (extra != ExtraRows::None)
     addExtraRows<kSolveThreads>(

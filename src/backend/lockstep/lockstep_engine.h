@@ -1,6 +1,7 @@
 #pragma once
 /// Runs each step on two engines and compares all tables after each kernel. Reports the first stage, kernel,
 /// table and element that differ.
+#include <algorithm>
 #include <barrier>
 #include <cstring>
 #include <exception>
@@ -9,6 +10,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "backend/observable_engine.h"
 
@@ -30,6 +32,7 @@ class LockstepEngine final : public Engine {
   void step(StepReport& report) override {
     step_ = report.step;
     a_.ended = b_.ended = false;
+    a_.keep(), b_.keep();
     meeting_.emplace(2, Compare{this});
     StepReport otherReport = report;
     std::thread other([&] { run(b_, otherReport); });
@@ -73,6 +76,18 @@ class LockstepEngine final : public Engine {
     std::string stage = "", kernel = "", nextStage = "";
     bool ended = false;  ///< its thread has finished this step
     std::exception_ptr error = nullptr;
+    std::vector<std::vector<std::byte>> left = {};  ///< tables when the present stage began, by number
+
+    void keep() {
+      const HostTables& tables = engine->tablesNow();
+      left.clear();
+      forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+        const T* const p = tables.view().*array.member;
+        const auto* const bytes = reinterpret_cast<const std::byte*>(p);
+        const auto room = static_cast<std::size_t>(tables.capacity(array.per));
+        left.emplace_back(bytes, bytes + (p ? room * sizeof(T) : 0));
+      });
+    }
   };
   struct Compare {
     LockstepEngine* pair;
@@ -113,21 +128,34 @@ class LockstepEngine final : public Engine {
   }
 
   /// Within a stage the order of elements may differ, if a later kernel of it sorts them. A difference counts
-  /// if it is there at the end of the stage, and has the kernel after which its table differed first.
+  /// if it is there at the end of the stage, and one side has written the element in this stage: others are
+  /// what earlier steps have left in memory. It has the kernel after which its table differed first.
   void compare(bool stageEnds) {
     const HostTables &s = a_.engine->tablesNow(), &t = b_.engine->tablesNow();
+    std::size_t number = 0;
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+      const std::size_t table = number++;
       if (!difference_.empty() || array.life == Lifetime::Unordered) return;
       const T *p = s.view().*array.member, *q = t.view().*array.member;
       const std::size_t n = std::min(elementsWritten(s, array.per), elementsWritten(t, array.per));
       if (!p || !q || std::memcmp(p, q, n * sizeof(T)) == 0) return;
       const std::string& kernel = firstKernel_.try_emplace(array.name, a_.kernel).first->second;
       if (!stageEnds) return;
-      std::size_t i = 0;
-      while (std::memcmp(p + i, q + i, sizeof(T)) == 0) ++i;
-      difference_ = place(kernel) + ", table " + array.name + ", element " + std::to_string(i);
+      const std::vector<std::byte>&ofA = a_.left[table], &ofB = b_.left[table];
+      for (std::size_t i = 0; i < n && difference_.empty(); ++i)
+        if (std::memcmp(p + i, q + i, sizeof(T)) != 0 && (!isLeft(ofA, i, p[i]) || !isLeft(ofB, i, q[i])))
+          difference_ = place(kernel) + ", table " + array.name + ", element " + std::to_string(i);
     });
-    if (stageEnds) firstKernel_.clear();
+    if (!stageEnds) return;
+    firstKernel_.clear();
+    a_.keep(), b_.keep();
+  }
+  /// Has nothing written element i since the stage began? Memory that a table has grown by is zero.
+  template <class T> static bool isLeft(const std::vector<std::byte>& before, std::size_t i, const T& now) {
+    const auto* const bytes = reinterpret_cast<const std::byte*>(&now);
+    if ((i + 1) * sizeof(T) <= before.size())
+      return std::memcmp(&before[i * sizeof(T)], bytes, sizeof(T)) == 0;
+    return std::all_of(bytes, bytes + sizeof(T), [](std::byte byte) { return byte == std::byte{0}; });
   }
 
   Side a_, b_;

@@ -10,8 +10,9 @@ namespace rubble::RUBBLE_CORE {
 /// Damps v over a step by exp(-c dt). Returns the mean damping factor, (1 - exp(-c dt)) / (c dt), which
 /// scales the impulse of a force.
 RUBBLE_HD inline Real keptBy(Real damping, Real dt, Vec3& v) {
-  v *= std::exp(-damping * dt);
-  return -std::expm1(-damping * dt) / (damping * dt);
+  const Decay decay = decayOver(damping * dt);
+  v *= decay.left;
+  return decay.mean;
 }
 
 /// Limits an angular velocity to what a step can represent.
@@ -206,7 +207,7 @@ template <class L>
 RUBBLE_HD void addContact(const SolverData& s, std::uint32_t code, int lane, Block6T<L>& points,
                           Real weight = 1) {
   const ContactRows& r = s.contact[constraintIndex(code)];
-  accumulateContact<L>(*s.step, r, constraintSide(code) == 0, s.dx[r.a], s.dx[r.b], lane, points, {0, 0, 0},
+  accumulateContact<L>(s.plan.coneHessian, r, constraintSide(code) == 0, s.dx[r.a], s.dx[r.b], lane, points, {0, 0, 0},
                        weight);
 }
 

@@ -151,7 +151,7 @@ RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& agg
 template <class L>
 RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregate, const ContactRows& r,
                                   int side, int lane, Block6T<L>& points) {
-  accumulateContact<L>(*s.step, r, side == 0, s.dx[r.a], s.dx[r.b], lane, points,
+  accumulateContact<L>(s.plan.coneHessian, r, side == 0, s.dx[r.a], s.dx[r.b], lane, points,
                        shiftOf(s, aggregate, side == 0 ? r.a : r.b));
 }
 

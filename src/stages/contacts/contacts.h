@@ -256,7 +256,7 @@ RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const P
   drift2 += (dot(t2, p.surfaceShift) + share * settling2) / c.driftCorrection;
   r.place[to] = {point.lever, inheritedViolation(c, point.depth)};
   r.load[to] = {lambda, l1, l2, kN};
-  r.slip[to] = {drift1, drift2, p.mu, kT};
+  r.slip[to] = {c.driftCorrection * drift1, c.driftCorrection * drift2, p.mu, kT};
   return impact && c.impactRule;
 }
 
@@ -364,8 +364,8 @@ RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows&
     if (r.muStatic == r.muDynamic) return {m, false};
     // a slipping point passes on the drift that its row has not corrected, which is its slip
     const Vec3 rA = r.place[k].rA, d = (f.a.dp + cross(f.a.dw, rA)) - (f.b.dp + cross(f.b.dw, rA + r.offset));
-    m.drift1 = s.step->driftCorrection * slip.drift1 + dot(f.t1, d);
-    m.drift2 = s.step->driftCorrection * slip.drift2 + dot(f.t2, d);
+    m.drift1 = slip.drift1 + dot(f.t1, d);
+    m.drift2 = slip.drift2 + dot(f.t2, d);
     return {m, false};
   }
   // exact rotations here: errors of the linearized ones would accumulate from step to step

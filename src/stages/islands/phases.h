@@ -40,8 +40,8 @@ template <Executor E> void sleep(E& e) {
   e.forEach(FallAsleep{}, bodies);
 }
 
-/// Restores the momenta of free islands.
-template <Executor E> void keepMomenta(E& e) {
+/// Finds the free islands, which nothing holds. It may lack room, and therefore precedes the new poses.
+template <Executor E> void findFree(E& e) {
   const SolverData& s = e.view();
   if (s.plan.literalRotations) return;
   const int bodies = s.bodies;
@@ -50,6 +50,13 @@ template <Executor E> void keepMomenta(E& e) {
   e.forEach(FindMomentumIslands{}, bodies);
   e.forEach(NumberFreeIslands{}, bodies);
   e.require(Per::FreeIsland, &Counters::freeIslands);
+}
+
+/// Restores the momenta of free islands.
+template <Executor E> void keepMomenta(E& e) {
+  const SolverData& s = e.view();
+  if (s.plan.literalRotations) return;
+  const int bodies = s.bodies;
   e.forEach(BeginFreeIslands{}, bodies);
   e.forEach(MeasureMomenta{}, bodies);
   e.forEach(SumMomenta{}, bodies);

@@ -106,8 +106,9 @@ RUBBLE_HD bool addFromOutside(const SolverData& s, int v, int lane, int lanes, i
     const auto& p = loadVectorized(s.pointContact[pointIndex(code)]);
     const bool isInner = surfaces && withinObject(s, p);
     touchesSelf |= isInner;
-    addShared(p, pointCorner(code), isInner ? self : own,
-              [&](Block3& b) { p.accumulateVertex(*s.step, pointDisplacement(s, p), pointCorner(code), b); });
+    addShared(p, pointCorner(code), isInner ? self : own, [&](Block3& b) {
+      p.accumulateVertex(*s.step, s.plan.coneHessian, pointDisplacement(s, p), pointCorner(code), b);
+    });
   }
   return touchesSelf;
 }

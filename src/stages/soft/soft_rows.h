@@ -38,7 +38,7 @@ RUBBLE_HD RUBBLE_OUT_OF_LINE inline void addSoftRows(const SolverData& s, std::u
     a.accumulateBody(bodyMove(s, a), movedSum(s, a), block);
   } else if (constraintType(code) == kBodyPointContactType) {
     const auto& p = loadVectorized(s.pointContact[constraintIndex(code)]);
-    p.accumulateBody(*s.step, pointDisplacement(s, p), block);
+    p.accumulateBody(*s.step, s.plan.coneHessian, pointDisplacement(s, p), block);
   }
 }
 

@@ -211,7 +211,7 @@ struct BeginAttachments {
 template <bool whole = false>
 RUBBLE_HD inline void addPointContact(const SolverData& s, std::uint32_t code, Block3& block) {
   const auto add = [&](const PointContact& p) {
-    p.accumulateVertex(*s.step, pointDisplacement(s, p), pointCorner(code), block);
+    p.accumulateVertex(*s.step, s.plan.coneHessian, pointDisplacement(s, p), pointCorner(code), block);
   };
   if constexpr (whole)
     add(loadVectorized(s.pointContact[pointIndex(code)]));
