@@ -51,7 +51,7 @@ Batch::Batch(std::unique_ptr<Engine> engine, const Params& params, std::shared_p
       family_(std::move(family)),
       jointSlots_(static_cast<std::size_t>(engineJointTypes())),
       spareJoints_(jointSlots_.size()) {
-  if (!engine_->batch()) throw Error("backend", "cpu or reference, which can hold many worlds", "another");
+  if (!engine_->batch()) throw Error("backend", "one that can hold many worlds", "another");
   setParams(params);
 }
 

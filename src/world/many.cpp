@@ -50,6 +50,7 @@ class HostPoseCopies final : public PoseCopies {
     std::vector<std::byte> bytes;
     ArrayView view;
     void take(const ArrayView& from) {
+      if (from.device) throw Error("world", "one that is not part of a batch on a device", "one of many");
       bytes.resize(static_cast<std::size_t>(from.shape[0] * from.strides[0]));
       if (!bytes.empty()) std::memcpy(bytes.data(), from.data, bytes.size());
       view = from;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstring>
 #include <deque>
+#include <limits>
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -15,8 +16,11 @@ namespace rubble {
 
 namespace {
 
-/// Worlds of one engine on a CPU. An engine of few worlds steps in the caches of one core.
-constexpr int kWorldsPerEngine = 32;
+/// Worlds of one engine. On a CPU they step in the caches of one core; a device steps all of them at once.
+int worldsPerEngine(const std::string& backend) {
+  constexpr int kOnCpu = 32;
+  return backend == "cuda" || backend == "lockstep-cuda" ? std::numeric_limits<int>::max() : kOnCpu;
+}
 
 /// Adds the numbers of another report.
 void accumulate(WorldsReport& to, const WorldsReport& from) {
@@ -33,6 +37,7 @@ void accumulate(WorldsReport& to, const WorldsReport& from) {
   to.surfaceTests += from.surfaceTests;
   to.unfinishedMotion = std::max(to.unfinishedMotion, from.unfinishedMotion);
   to.broken.insert(to.broken.end(), from.broken.begin(), from.broken.end());
+  if (to.difference.empty()) to.difference = from.difference;
   to.brokenIn.insert(to.brokenIn.end(), from.brokenIn.begin(), from.brokenIn.end());
   for (const Growth& growth : from.grown) {
     const auto found = std::ranges::find(to.grown, growth.what, &Growth::what);
@@ -54,11 +59,14 @@ void accumulate(WorldsReport& to, const WorldsReport& from) {
 
 struct Worlds::Impl {
   explicit Impl(const WorldOptions& given)
-      : options(given), arena(given.threads > 0 ? given.threads : tbb::task_arena::automatic) {
+      : options(given),
+        perBatch(worldsPerEngine(given.backend)),
+        arena(given.threads > 0 ? given.threads : tbb::task_arena::automatic) {
     options.threads = 1;
   }
 
   WorldOptions options;
+  int perBatch;  ///< most worlds of a batch
   tbb::task_arena arena;
   std::vector<std::shared_ptr<Batch>> batches;
   std::deque<World> worlds;  ///< references stay valid
@@ -71,7 +79,7 @@ struct Worlds::Impl {
     if (world < 0 || world >= count())
       throw Error("world", "a number below " + std::to_string(count()), std::to_string(world));
   }
-  Batch& batchOf(int world) { return *batches[static_cast<std::size_t>(world / kWorldsPerEngine)]; }
+  Batch& batchOf(int world) { return *batches[static_cast<std::size_t>(world / perBatch)]; }
   World::Impl& at(int world) { return *worlds[static_cast<std::size_t>(world)].impl_; }
   /// f(k) for each of the batches, in parallel.
   template <class F> void forEachBatch(F&& f) {
@@ -79,18 +87,18 @@ struct Worlds::Impl {
   }
   /// Sends edits of the worlds of a batch to its engine.
   void flush(std::size_t batch) {
-    const int first = static_cast<int>(batch) * kWorldsPerEngine;
+    const int first = static_cast<int>(batch) * perBatch;
     for (int w = first; w < first + batches[batch]->count(); ++w) at(w).flush();
     batches[batch]->flush();
   }
   std::shared_ptr<Batch> batchForNext() {
-    if (count() % kWorldsPerEngine == 0)
+    if (count() % perBatch == 0)
       batches.push_back(std::make_shared<Batch>(makeEngine(options), options.params, family));
     return batches.back();
   }
   /// Steps of the worlds of a batch that are active; no world: all are.
   WorldsReport step(std::size_t batch, int steps, std::span<const char> active) {
-    const int first = static_cast<int>(batch) * kWorldsPerEngine, size = batches[batch]->count();
+    const int first = static_cast<int>(batch) * perBatch, size = batches[batch]->count();
     std::vector<char> paused;
     if (!active.empty())
       for (int w = first; w < first + size; ++w) paused.push_back(active[static_cast<std::size_t>(w)] == 0);
@@ -192,8 +200,8 @@ void Worlds::reset(std::span<const int> worlds, std::span<const Snapshot> snapsh
     impl_->requireWorld(worlds[k]);
     const Snapshot& snapshot = snapshotOf(k);
     if (!snapshot.data) throw Error("snapshots", "those made by World::snapshot", "an empty one");
-    Changes& own = changes[static_cast<std::size_t>(worlds[k] / kWorldsPerEngine)];
-    own.worlds.push_back(worlds[k] % kWorldsPerEngine);
+    Changes& own = changes[static_cast<std::size_t>(worlds[k] / impl_->perBatch)];
+    own.worlds.push_back(worlds[k] % impl_->perBatch);
     own.states.push_back(&impl_->batchOf(worlds[k]).own(*snapshot.data->engine));
   }
   for (std::size_t k = 0; k < worlds.size(); ++k) {
@@ -217,9 +225,9 @@ void Worlds::setParams(const Params& params) {
 int Worlds::firstRow(int world) const {
   impl_->requireWorld(world);
   int rows = 0;
-  for (int k = 0; k < world / kWorldsPerEngine; ++k)
+  for (int k = 0; k < world / impl_->perBatch; ++k)
     rows += impl_->batches[static_cast<std::size_t>(k)]->rows();
-  const std::vector<int>& own = impl_->batchOf(world).rowsOf(world % kWorldsPerEngine);
+  const std::vector<int>& own = impl_->batchOf(world).rowsOf(world % impl_->perBatch);
   return own.empty() ? rows : rows + own.front();
 }
 
@@ -229,6 +237,7 @@ ArrayView Worlds::array(StateArray which) const {
     impl_->flush(k);
     views[k] = impl_->batches[k]->engine().array(which);
   });
+  if (!views.empty() && views.front().device) return views.front();
   ArrayView all;
   std::vector<std::byte>& bytes = impl_->arrays[static_cast<int>(which)];
   bytes.clear();
@@ -245,7 +254,7 @@ ArrayView Worlds::array(StateArray which) const {
 
 std::vector<int> Worlds::rowsOf(int world) const {
   const int first = firstRow(world);
-  std::vector<int> rows = impl_->batchOf(world).rowsOf(world % kWorldsPerEngine);
+  std::vector<int> rows = impl_->batchOf(world).rowsOf(world % impl_->perBatch);
   const int shift = rows.empty() ? 0 : first - rows.front();
   for (int& row : rows) row += shift;
   return rows;
@@ -253,7 +262,13 @@ std::vector<int> Worlds::rowsOf(int world) const {
 
 void Worlds::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
   checkScatter(which, rows, values);
-  if (values.device) throw Error("values", "host memory", "memory of a device");
+  if (rows.shape[0] == 0 || impl_->batches.empty()) return;
+  if (values.device && !impl_->batches[0]->engine().poseCopies())
+    throw Error("values", "host memory", "memory of a device");
+  if (impl_->batches.size() == 1) {
+    impl_->flush(0);
+    return impl_->batches[0]->engine().scatter(which, rows, values);
+  }
   std::vector<int> begin{0};  // first row of each batch
   for (const std::shared_ptr<Batch>& batch : impl_->batches) begin.push_back(begin.back() + batch->rows());
   struct Part {

@@ -8,7 +8,9 @@
 #include "backend/cuda/cuda_stepper.h"
 #include "backend/cuda/device_snapshot.h"
 #include "backend/cuda/packet.h"
+#include "backend/cuda/world_splice.h"
 #include "tables/table_edit.h"
+#include "tables/world_state.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -50,6 +52,10 @@ class Mirror {
     authored_.reset();
     return exclusions_;
   }
+  /// The constants of the step in these worlds.
+  void constantsWritten(std::span<const int> worlds) {
+    constants_.insert(constants_.end(), worlds.begin(), worlds.end());
+  }
   void allWritten();  ///< after loading: the content of the device is obsolete
   void forgetContacts(std::span<const int> ids);
   /// The device has sorted its bodies.
@@ -72,6 +78,19 @@ class Mirror {
 
   std::shared_ptr<const DeviceSnapshot> snapshot(double previousDt);
   void restore(const DeviceSnapshot& snapshot);
+
+  // Worlds of a batch without vertices (mirror_worlds.cpp).
+  /// Updates the persistent state of one world on the host.
+  void fetchWorld(int world, const WorldPart& part);
+  /// These worlds have new elements on the host, and these contacts.
+  void worldsWritten(std::span<const WorldPart> parts, std::span<const WorldChange> changes,
+                     const BodyContacts& contacts);
+  /// SolverData::paused has changed.
+  void pausedWritten() { resendPaused_ = true; }
+  /// Keeps the state of all worlds on the device.
+  void keepWorlds();
+  /// Gives paused worlds the state that was kept.
+  void putBackPaused();
 
   /// Sends all pending edits.
   void flush();
@@ -109,8 +128,19 @@ class Mirror {
   void addTrees(Packet& packet);
   void addVertices(Packet& packet);
   void noteForces();
+  /// The tables of the device with the sizes of the host.
+  SolverData present() { return onDevice(host_.view(), stepper_.tables().view()); }
+  /// Replaces the contacts of worlds by those of `b`.
+  void splice(const ContactTables& b, const int* firstInB);
   template <class T> void upload(const ArrayInfo<T>& array, int first, int count);
-  template <class T> void download(const ArrayInfo<T>& array, int count);
+  template <class T> void download(const ArrayInfo<T>& array, int first, int count) {
+    const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(count);
+    checkCuda(cudaMemcpyAsync(&(host_.view().*array.member)[0] + first,
+                              &(stepper_.tables().view().*array.member)[0] + first, bytes,
+                              cudaMemcpyDeviceToHost, stepper_.stream()),
+              "cudaMemcpyAsync to the host");
+  }
+  template <class T> void download(const ArrayInfo<T>& array, int count) { download(array, 0, count); }
   auto gather() const {
     return [this](std::byte* to, const void* from, int bytes) {
       gatherById(stepper_.stream(), to, from, stepper_.tables().view().placeOf, host_.bodyIds,
@@ -135,7 +165,14 @@ class Mirror {
   TreeChanges trees_;
   std::vector<int> treeChildren_;  ///< elements of treeChild in trees_
   std::vector<int> exclusions_, movedVertices_, dynamicVertices_, forcedVertices_;
+  std::vector<int> constants_;   ///< worlds whose constants have changed
+  std::vector<int> worldsRead_;  ///< worlds whose state on the host is that of the device
+  StateCopy present_, kept_;     ///< of the contacts before a splice, and of paused worlds
+  bool keptForces_ = false, keptRolling_ = false;
+  DeviceBuffer counts_;
+  Pinned<ContactCounts> total_;
   bool allDirty_ = true;  ///< the device has no data yet
+  bool resendPaused_ = false;
   bool statesOld_ = false, verticesOld_ = false, restOld_ = false;
   bool forcesOnDevice_ = false;  ///< some forces exist on the device only
   bool forced_ = false;          ///< the device may have forces

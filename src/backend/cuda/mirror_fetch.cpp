@@ -22,6 +22,7 @@ void Mirror::stepped(const Counters& counters) {
   statesOld_ = verticesOld_ = restOld_ = true;
   forcesOnDevice_ = false;
   singleFetches_ = 0;
+  worldsRead_.clear();
 }
 
 void Mirror::endForces() {
@@ -33,13 +34,6 @@ void Mirror::endForces() {
   const SolverData& device = stepper_.tables().view();
   end(device.force, host_.view().bodies), end(device.torque, host_.view().bodies),
       end(device.vertexForce, host_.view().vertices);
-}
-
-template <class T> void Mirror::download(const ArrayInfo<T>& array, int count) {
-  const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(count);
-  checkCuda(cudaMemcpyAsync(host_.view().*array.member, stepper_.tables().view().*array.member, bytes,
-                            cudaMemcpyDeviceToHost, stepper_.stream()),
-            "cudaMemcpyAsync to the host");
 }
 
 void Mirror::fetchStates() {
@@ -141,6 +135,7 @@ void Mirror::addVelocity(int slot, const rubble::Vec3& change) {
     flush();  // one change per body and batch, so that changes add up in call order
   }
   mark(slot, kVelocityEdited);
+  worldsRead_.clear();
   velocityEdits_.push_back(slot);
   velocityChanges_.push_back(change);
 }
@@ -181,6 +176,7 @@ void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& v
     followArrays();
   }
   for (const int slot : touched_) bits_[static_cast<std::size_t>(slot)] &= static_cast<std::uint8_t>(~kKnown);
+  worldsRead_.clear();
   statesOld_ = restOld_ = true;
   const bool forces = which == StateArray::Force || which == StateArray::Torque;
   forcesOnDevice_ |= forces, forced_ |= forces;

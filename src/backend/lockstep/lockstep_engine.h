@@ -16,7 +16,7 @@ namespace rubble::RUBBLE_CORE {
 
 /// Each engine runs the step in a thread of its own. The threads meet in a barrier at the end of each kernel.
 /// Reads are of the first engine.
-class LockstepEngine final : public Engine {
+class LockstepEngine final : public Engine, public BatchEngine {
  public:
   LockstepEngine(std::unique_ptr<ObservableEngine> a, std::unique_ptr<ObservableEngine> b)
       : a_{std::move(a)}, b_{std::move(b)} {}
@@ -28,16 +28,7 @@ class LockstepEngine final : public Engine {
     both([&](Engine& e) { e.apply(edits); });
   }
   void step(StepReport& report) override {
-    step_ = report.step;
-    a_.ended = b_.ended = false;
-    meeting_.emplace(2, Compare{this});
-    StepReport otherReport = report;
-    std::thread other([&] { run(b_, otherReport); });
-    run(a_, report);
-    other.join();
-    report.difference = difference_;
-    for (const Side* side : {&a_, &b_})
-      if (side->error) std::rethrow_exception(side->error);
+    stepBoth(report, [](Engine& e, StepReport& own) { e.step(own); });
   }
   void sortBodies() override {
     both([](Engine& e) { e.sortBodies(); });
@@ -66,6 +57,24 @@ class LockstepEngine final : public Engine {
     both([&](Engine& e) { e.restore(snapshot); });
   }
 
+  BatchEngine* batch() override { return a_.engine->batch() && b_.engine->batch() ? this : nullptr; }
+  void setLayout(std::span<const WorldLayout> worlds, std::span<const int> spare) override {
+    both([&](Engine& e) { e.batch()->setLayout(worlds, spare); });
+  }
+  const WorldSettings& settingsOf(int world) const override { return a_.engine->batch()->settingsOf(world); }
+  void setSettings(int world, const WorldSettings& settings) override {
+    const WorldSettings own = settings;  // a reference to those of the first engine may be given
+    both([&](Engine& e) { e.batch()->setSettings(world, own); });
+  }
+  void stepWorlds(StepReport& report, std::span<const char> paused) override {
+    stepBoth(report, [&](Engine& e, StepReport& own) { e.batch()->stepWorlds(own, paused); });
+  }
+  const TableReader& readWorld(int world) override { return a_.engine->batch()->readWorld(world); }
+  std::vector<std::byte> takeWorld(int world) override { return a_.engine->batch()->takeWorld(world); }
+  void putWorlds(std::span<const int> worlds, std::span<const std::span<const std::byte>> states) override {
+    both([&](Engine& e) { e.batch()->putWorlds(worlds, states); });
+  }
+
  private:
   /// One of the two engines, and its present kernel.
   struct Side {
@@ -81,7 +90,21 @@ class LockstepEngine final : public Engine {
 
   template <class F> void both(F&& f) { f(*a_.engine), f(*b_.engine); }
 
-  void run(Side& side, StepReport& report) {
+  /// take(engine, report) takes a step.
+  template <class Take> void stepBoth(StepReport& report, const Take& take) {
+    step_ = report.step;
+    a_.ended = b_.ended = false;
+    meeting_.emplace(2, Compare{this});
+    StepReport otherReport = report;
+    std::thread other([&] { run(b_, otherReport, take); });
+    run(a_, report, take);
+    other.join();
+    report.difference = difference_;
+    for (const Side* side : {&a_, &b_})
+      if (side->error) std::rethrow_exception(side->error);
+  }
+
+  template <class Take> void run(Side& side, StepReport& report, const Take& take) {
     side.stage.clear(), side.error = nullptr;
     side.engine->observe([this, &side](std::string_view stage, std::string_view kernel) {
       side.nextStage = stage;
@@ -89,7 +112,7 @@ class LockstepEngine final : public Engine {
       side.stage = stage, side.kernel = kernel;
     });
     try {
-      side.engine->step(report);
+      take(*side.engine, report);
     } catch (...) {
       side.error = std::current_exception();
     }
