@@ -99,6 +99,72 @@ rb_status rb_worlds_scatter(rb_worlds* worlds, int32_t which, const rb_array* ro
   });
 }
 
+rb_status rb_worlds_joint_array(const rb_worlds* worlds, int32_t which, rb_array* array) {
+  return guarded([&] { need(array, "array") = toC(worldsOf(worlds).array(jointArrayOf(which))); });
+}
+
+rb_status rb_worlds_sensor_array(const rb_worlds* worlds, int32_t which, rb_array* array) {
+  return guarded([&] { need(array, "array") = toC(worldsOf(worlds).array(sensorArrayOf(which))); });
+}
+
+rb_status rb_worlds_first_axis(const rb_worlds* worlds, int32_t number, int32_t* row) {
+  return guarded([&] { need(row, "row") = worldsOf(worlds).firstAxis(number); });
+}
+
+rb_status rb_worlds_scatter_joints(rb_worlds* worlds, int32_t which, const rb_array* rows,
+                                   const rb_array* values) {
+  return guarded([&] {
+    worldsOf(worlds).scatter(jointArrayOf(which), fromC(need(rows, "rows")), fromC(need(values, "values")));
+  });
+}
+
+rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays, int64_t count,
+                              rb_ray_hit* hits) {
+  return guarded([&] {
+    const std::vector<int> of = mapped(numbers, count, [](int32_t number) { return int{number}; });
+    std::size_t next = 0;
+    const auto asked = mapped(rays, count, [&](const rb_ray& ray) {
+      return Worlds::WorldRay{of[next++], queryOf(ray)};
+    });
+    if (count > 0) need(hits, "hits");
+    for (const RayHit& hit : worldsOf(worlds).castRays(asked)) *hits++ = toC(hit);
+  });
+}
+
+rb_status rb_worlds_set_values(rb_worlds* worlds, const char* list, const char* name, const char* key,
+                               const int32_t* numbers, int64_t count, const double* values, int32_t width) {
+  return guarded([&] {
+    Worlds& all = worldsOf(worlds);
+    const std::string kind = textOr(list, ""), called = textOr(name, ""), path = textOr(key, "");
+    const std::vector<int> of = mapped(numbers, count, [](int32_t number) { return int{number}; });
+    if (width < 1) throw Error("width", "a number of at least 1", std::to_string(width));
+    if (count > 0) need(values, "values");
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      World& world = all[of[k]];
+      const double* const own = values + static_cast<std::size_t>(width) * k;
+      if (kind == "gravity") {
+        if (width != 3) throw Error("width", "3 for gravity", std::to_string(width));
+        world.setGravity({own[0], own[1], own[2]});
+        continue;
+      }
+      const std::string text = io::nested(path, {own, static_cast<std::size_t>(width)});
+      if (kind == "bodies") {
+        const BodyId id = world.findBody(called);
+        BodyDef def = world.definition(id);
+        io::parseBodyValues(text, def);
+        world.setDefinition(id, def);
+      } else if (kind == "joints") {
+        const JointId id = world.findJoint(called);
+        JointDef def = world.definition(id);
+        io::parseJointValues(text, def);
+        world.setDefinition(id, def);
+      } else {
+        throw Error("list", "bodies, joints or gravity", kind);
+      }
+    }
+  });
+}
+
 int64_t rb_worlds_memory_bytes(const rb_worlds* worlds) {
   return worlds ? static_cast<int64_t>(worlds->worlds->memoryBytes()) : 0;
 }

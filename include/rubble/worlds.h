@@ -58,6 +58,23 @@ class Worlds {
   /// As World::scatter, with rows of array().
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
 
+  /// Joints of all worlds, one row per axis, world after world: World::axes() of world w begins at row
+  /// firstAxis(w). As array() of states.
+  ArrayView array(JointArray which) const;
+  int firstAxis(int world) const;
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values);
+  /// What sensors measure in all worlds. Rows are those of array() of states or, for joints, world after
+  /// world.
+  ArrayView array(SensorArray which) const;
+
+  /// A ray in one of the worlds.
+  struct WorldRay {
+    int world;
+    RayQuery ray;
+  };
+  /// World::castRays() for rays in many worlds. Hits name bodies of the world of the ray.
+  std::vector<RayHit> castRays(std::span<const WorldRay> rays);
+
   std::size_t memoryBytes() const;
 
  private:

@@ -2,12 +2,23 @@
 #include <cuda_runtime_api.h>
 
 #include "tests/cuda/cuda_test.h"
-#include "tests/support/worlds_claims.h"
+#include "tests/support/array_claims.h"
 
 namespace rubble::test {
 namespace {
 
 class CudaWorlds : public CudaTest {};
+
+std::vector<double> copyOfDevice(const ArrayView& view) {
+  EXPECT_TRUE(view.device);
+  ArrayView here = view;
+  std::vector<char> bytes(static_cast<std::size_t>(view.shape[0] * view.strides[0]));
+  cudaStreamSynchronize(reinterpret_cast<cudaStream_t>(view.stream));
+  if (!bytes.empty())
+    EXPECT_EQ(cudaMemcpy(bytes.data(), view.data, bytes.size(), cudaMemcpyDefault), cudaSuccess);
+  here.data = bytes.data();
+  return copyOfHost(here);
+}
 
 RandomWorlds rigid(std::uint64_t seed, int most = 10) { return {seed, most, false}; }
 
@@ -37,6 +48,54 @@ TEST_F(CudaWorlds, ResetsTouchNoOtherWorldWithDeformables) {
 TEST_F(CudaWorlds, EditsOfOneWorldAreThoseOfAWorldAlone) {
   expectEditsAlone(rigid(300), worldsOptions("cuda"));
   expectEditsAlone({300}, worldsOptions("cuda"));
+}
+
+TEST_F(CudaWorlds, ArraysOfJointsAndSensorsTellWhatJointsAndBodiesTell) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    World world(randomWorld(600 + seed, 8, false), worldsOptions("cuda"));
+    run(world, 15);
+    expectArraysOfWorld(world, copyOfDevice);
+  }
+  expectArraysOfWorlds(rigid(620, 4), worldsOptions("cuda"), 12, copyOfDevice);
+  expectAccelerations(worldsOptions("cuda"), copyOfDevice);
+}
+TEST_F(CudaWorlds, ForcesAlongAxesActOnBothBodies) { expectForcesAlongAxes(worldsOptions("cuda")); }
+TEST_F(CudaWorlds, RaysInManyWorldsHitWhatThoseOfEachHit) {
+  expectRays(rigid(640, 5), worldsOptions("cuda"), 20);
+}
+
+/// Targets that were written on the device are part of a snapshot.
+TEST_F(CudaWorlds, SnapshotsHaveTheTargetsOfDrives) {
+  Scene scene = emptyScene({0, 0, 0});
+  scene.bodies.push_back(body(Shape::box({0.1, 0.1, 0.1}), {}));
+  scene.joints.push_back(jointAt(scene, JointType::Slider, 0, kWorld, {}));
+  scene.joints[0].axes[0].driveStiffness = 1000, scene.joints[0].axes[0].driveDamping = 100;
+  Worlds worlds(worldsOptions("cuda"));
+  worlds.addCopies(scene, 3);
+  const HostRows given{{1}, {0.5}};
+  worlds.scatter(JointArray::TargetPosition, given.rowView(), given.valueView());
+  const Snapshot snapshot = worlds[1].snapshot();
+  worlds.reset(std::vector<int>{2}, {&snapshot, 1});
+  worlds.step(200);
+  const std::vector<double> x = copyOfDevice(worlds.array(JointArray::Position));
+  EXPECT_NEAR(x[0], 0, 1e-3);
+  EXPECT_NEAR(x[1], 0.5, 1e-2);
+  EXPECT_EQ(x[1], x[2]);
+}
+
+TEST_F(CudaWorlds, DefinitionsOfBodiesChangeWithoutTheirState) {
+  Scene scene = emptyScene({0, 0, -10});
+  scene.bodies.push_back(ground());
+  scene.bodies.push_back(body(Shape::box({0.5, 0.4, 0.3}), {0, 0, 1}));
+  World world(scene, worldsOptions("cuda"));
+  run(world, 3);
+  BodyDef def = scene.bodies[1];
+  def.mass = 7;
+  const BodyState before = world.state(world.bodyAt(1));
+  world.setDefinition(world.bodyAt(1), def);
+  EXPECT_EQ(world.state(world.bodyAt(1)).velocity, before.velocity);
+  run(world, 120);
+  EXPECT_NEAR(copyOfDevice(world.array(SensorArray::Touch))[1], 70, 0.5);
 }
 
 /// Copies of one world that nothing moves apart keep equal bits.

@@ -87,10 +87,10 @@ void CudaEngine::write(const SetBody& e) {
   mirror_.bodiesAdded(before);
   const int slot = slotOf(host(), e.id);
   count(slot, -1);
-  setBody(host(), slot, e.body);
+  (e.keepsState ? setBodyParams : setBody)(host(), slot, e.body);
   if (e.number >= 0) host().view().idOf[slot] = e.number, host().view().worldOfBody[slot] = e.world;
   count(slot, 1);
-  mirror_.bodyWritten(slot);
+  e.keepsState ? mirror_.bodyParamsWritten(slot) : mirror_.bodyWritten(slot);
 }
 
 std::shared_ptr<const EngineSnapshot> CudaEngine::snapshot() {

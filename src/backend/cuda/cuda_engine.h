@@ -44,6 +44,12 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
     queries_.moved();
     mirror_.scatter(which, rows, values);
   }
+  void setJointRows(const JointRows& rows) override { mirror_.setJointRows(rows); }
+  ArrayView array(JointArray which) override { return mirror_.array(which); }
+  ArrayView array(SensorArray which) override { return mirror_.array(which); }
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override {
+    mirror_.scatter(which, rows, values);
+  }
   bool reserve(const std::string& kind, int count) override {
     return reserveKind(stepper_.tables(), kind, count);
   }

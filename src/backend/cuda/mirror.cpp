@@ -72,6 +72,7 @@ void Mirror::allWritten() {
   exclusions_.clear();
   movedVertices_.clear(), dynamicVertices_.clear(), forcedVertices_.clear();
   worldsRead_.clear();
+  targetsOnDevice_ = false;
   statesOld_ = verticesOld_ = restOld_ = forcesOnDevice_ = false;
 }
 
@@ -293,6 +294,13 @@ void Mirror::sendEdits() {
     packet.setSlots(bodies);
     forEachArray([&](const auto& array) {
       if (perBody(array)) packet.add(array.member);
+    });
+  }
+  const std::vector<int> params = slotsWith(kParams);
+  if (!params.empty()) {
+    packet.setSlots(params);
+    forEachArray([&](const auto& array) {
+      if (perBody(array) && array.life == Lifetime::Authored) packet.add(array.member);
     });
   }
   if (!states.empty()) {

@@ -6,6 +6,7 @@
 
 #include "backend/arrays_by_id.h"
 #include "backend/cuda/cuda_stepper.h"
+#include "backend/cuda/device_joint_rows.h"
 #include "backend/cuda/device_snapshot.h"
 #include "backend/cuda/packet.h"
 #include "backend/cuda/world_splice.h"
@@ -25,6 +26,10 @@ class Mirror {
   void bodiesAdded(int before);  ///< new slots: `before` and above
   void bodyWritten(int slot) {
     mark(slot, kBody);
+    authored_.reset();
+  }
+  void bodyParamsWritten(int slot) {
+    mark(slot, kParams);
     authored_.reset();
   }
   void stateWritten(int slot) { mark(slot, kState); }
@@ -67,6 +72,17 @@ class Mirror {
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
   /// As Engine::array, in device memory.
   ArrayView array(StateArray which);
+  // Rows of joints, and sensors.
+  void setJointRows(const JointRows& rows) { jointRows_.set(rows, stepper_.stream()); }
+  ArrayView array(JointArray which) {
+    flush();
+    return jointRows_.view(present(), which, stepper_.stream());
+  }
+  ArrayView array(SensorArray which) {
+    flush();
+    return jointRows_.view(present(), which, host_.bodyIds, oldPairs(), stepper_.stream());
+  }
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values);
   /// Updates the arrays by id after a step.
   void followArrays();
   /// Number of pairs of the last step on the device.
@@ -115,6 +131,7 @@ class Mirror {
     kKnown = 8,            ///< the host's state of this slot is up to date
     kPushed = 16,          ///< has a force until the next step
     kVelocityEdited = 32,  ///< pending velocity change on the device
+    kParams = 64,          ///< pending upload: everything but the state
   };
 
   void mark(int slot, std::uint8_t bits);
@@ -130,6 +147,10 @@ class Mirror {
   void noteForces();
   /// The tables of the device with the sizes of the host.
   SolverData present() { return onDevice(host_.view(), stepper_.tables().view()); }
+  /// Calls write(rows, values) with both in device memory, in the order of their streams.
+  template <class Write> void withValues(const ArrayView& rows, const ArrayView& values, const Write& write);
+  /// A scatter has changed states on the device.
+  void scattered(bool forces);
   /// Replaces the contacts of worlds by those of `b`.
   void splice(const ContactTables& b, const int* firstInB);
   template <class T> void upload(const ArrayInfo<T>& array, int first, int count);
@@ -148,6 +169,8 @@ class Mirror {
     };
   }
   void fetchStates();
+  /// Updates the targets of drives on the host.
+  void fetchTargets();
 
   CudaStepper& stepper_;
   HostTables host_;
@@ -173,12 +196,14 @@ class Mirror {
   Pinned<ContactCounts> total_;
   bool allDirty_ = true;  ///< the device has no data yet
   bool resendPaused_ = false;
+  bool targetsOnDevice_ = false;  ///< targets of drives on the device are newer
   bool statesOld_ = false, verticesOld_ = false, restOld_ = false;
   bool forcesOnDevice_ = false;  ///< some forces exist on the device only
   bool forced_ = false;          ///< the device may have forces
   int singleFetches_ = 0;
   Pinned<BodyMotionState> fetched_;
   ArraysById<DeviceBuffer> byId_;
+  DeviceJointRows jointRows_;
   /// orders the streams of a caller of scatter() and of this engine
   StreamEvent handed_;
 };

@@ -85,9 +85,10 @@ void Mirror::fetchWorld(int world, const WorldPart& part) {
     host_.reserve(per, liveCount(per));
   const SolverData& s = host_.view();
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (array.life != Lifetime::State) return;
-    if (array.per == Per::Body) download(array, part.firstBody, part.bodies + array.extra);
     const int type = jointTypeOf(array.per);
+    const bool isTarget = targetsOnDevice_ && type >= 0 && array.life == Lifetime::Authored;
+    if (array.life != Lifetime::State && !isTarget) return;
+    if (array.per == Per::Body) download(array, part.firstBody, part.bodies + array.extra);
     if (type < 0) return;
     // runs of consecutive slots
     const std::vector<int>& slots = part.joints[type];

@@ -47,6 +47,14 @@ class LockstepEngine final : public Engine, public BatchEngine {
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     both([&](Engine& e) { e.scatter(which, rows, values); });
   }
+  void setJointRows(const JointRows& rows) override {
+    both([&](Engine& e) { e.setJointRows(rows); });
+  }
+  ArrayView array(JointArray which) override { return a_.engine->array(which); }
+  ArrayView array(SensorArray which) override { return a_.engine->array(which); }
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override {
+    both([&](Engine& e) { e.scatter(which, rows, values); });
+  }
   bool reserve(const std::string& kind, int count) override {
     return b_.engine->reserve(kind, count) && a_.engine->reserve(kind, count);
   }
