@@ -1,5 +1,8 @@
 #include <rubble/c/worlds.h>
 
+#include <sstream>
+#include <utility>
+
 #include <rubble/worlds.h>
 
 #include "c_api/handles.h"
@@ -16,6 +19,34 @@ struct rb_worlds {
 namespace {
 
 Worlds& worldsOf(const rb_worlds* handle) { return *need(handle, "worlds").worlds; }
+
+/// What "gravity", "bodies.NAME.KEY" or "joints.NAME.KEY" names.
+struct ValueKey {
+  std::string list, name, key;
+  explicit ValueKey(const std::string& path) {
+    std::istringstream in(path);
+    std::getline(in, list, '.'), std::getline(in, name, '.'), std::getline(in, key);
+    if (list != "gravity" && list != "bodies" && list != "joints")
+      throw Error("key", "gravity, bodies.NAME.KEY or joints.NAME.KEY", path);
+  }
+  void set(World& world, std::span<const double> values) const {
+    if (list == "gravity") {
+      if (values.size() != 3) throw Error("width", "3 for gravity", std::to_string(values.size()));
+      return world.setGravity({values[0], values[1], values[2]});
+    }
+    const std::string text = io::nested(key, values);
+    if (list == "bodies") {
+      const BodyId id = world.findBody(name);
+      BodyDef def = world.definition(id);
+      io::parseBodyValues(text, def);
+      return world.setDefinition(id, def);
+    }
+    const JointId id = world.findJoint(name);
+    JointDef def = world.definition(id);
+    io::parseJointValues(text, def);
+    world.setDefinition(id, def);
+  }
+};
 
 }  // namespace
 
@@ -131,37 +162,16 @@ rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const r
   });
 }
 
-rb_status rb_worlds_set_values(rb_worlds* worlds, const char* list, const char* name, const char* key,
-                               const int32_t* numbers, int64_t count, const double* values, int32_t width) {
+rb_status rb_worlds_set_values(rb_worlds* worlds, const char* key, const int32_t* numbers, int64_t count,
+                               const double* values, int32_t width) {
   return guarded([&] {
     Worlds& all = worldsOf(worlds);
-    const std::string kind = textOr(list, ""), called = textOr(name, ""), path = textOr(key, "");
+    const ValueKey to(textOr(key, ""));
     const std::vector<int> of = mapped(numbers, count, [](int32_t number) { return int{number}; });
     if (width < 1) throw Error("width", "a number of at least 1", std::to_string(width));
     if (count > 0) need(values, "values");
-    for (std::size_t k = 0; k < of.size(); ++k) {
-      World& world = all[of[k]];
-      const double* const own = values + static_cast<std::size_t>(width) * k;
-      if (kind == "gravity") {
-        if (width != 3) throw Error("width", "3 for gravity", std::to_string(width));
-        world.setGravity({own[0], own[1], own[2]});
-        continue;
-      }
-      const std::string text = io::nested(path, {own, static_cast<std::size_t>(width)});
-      if (kind == "bodies") {
-        const BodyId id = world.findBody(called);
-        BodyDef def = world.definition(id);
-        io::parseBodyValues(text, def);
-        world.setDefinition(id, def);
-      } else if (kind == "joints") {
-        const JointId id = world.findJoint(called);
-        JointDef def = world.definition(id);
-        io::parseJointValues(text, def);
-        world.setDefinition(id, def);
-      } else {
-        throw Error("list", "bodies, joints or gravity", kind);
-      }
-    }
+    for (const int world : of)
+      to.set(all[world], {std::exchange(values, values + width), static_cast<std::size_t>(width)});
   });
 }
 

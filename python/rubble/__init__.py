@@ -38,8 +38,9 @@ def info() -> dict[str, Any]:
 __version__: str = info()["version"]
 __all__ = [
     "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim", "ContactLoad",
-    "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Frame", "Hit", "Joint", "JointState", "Joints", "Mass",
-    "Painter", "Params", "Quality", "Recorder", "Recording", "Rod", "Run", "Scene", "SceneInfo", "Snapshot",
+    "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Frame", "Hit", "Joint", "JointState",
+    "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording", "Rod", "Run", "Scene",
+    "SceneInfo", "Snapshot",
     "StepReport", "Surface", "Verdict", "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet",
     "compound", "cone", "cylinder", "distance_field", "height_field", "hull", "info", "mass_of", "mesh",
     "plane", "save_png", "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",

@@ -10,8 +10,8 @@ from . import _abi
 from ._library import check, invalid, lib
 
 NAMES = ("position", "orientation", "velocity", "angular_velocity", "force", "torque")
-JOINT_NAMES = ("position", "speed", "drive_force", "limit_force", "friction_force", "lower_limit", "upper_limit",
-               "target_position", "target_speed", "applied_force")
+JOINT_NAMES = ("position", "speed", "drive_force", "limit_force", "friction_force", "lower_limit",
+               "upper_limit", "target_position", "target_speed", "applied_force")
 SENSOR_NAMES = ("contact_force", "touch", "acceleration", "angular_rate", "joint_force", "joint_torque")
 _NONE = ctypes.c_void_p()
 _TENSOR = b"dltensor"
@@ -233,7 +233,8 @@ class StateArrays:
             name: "position", "speed", "drive_force", "limit_force", "friction_force", "lower_limit",
                 "upper_limit", "target_position" or "target_speed", in [m], [rad], [N], [N m].
         Returns:
-            (axes, 1): a copy, or a `DeviceArray` with the backend "cuda". Forces act on body A along the axis.
+            (axes, 1): a copy, or a `DeviceArray` with the backend "cuda". Forces act on body A along the
+            axis.
         """
         return read_array(lib.rb_world_joint_array, self._owner, index_of(name, JOINT_NAMES))
 

@@ -168,7 +168,8 @@ class Worlds:
 
     def scatter_joints(self, name: str, rows: Any, values: Any) -> None:
         """`World.scatter_joints` with rows of `joint_array` of all worlds."""
-        write_rows(lib.rb_worlds_scatter_joints, self._handle.pointer, index_of(name, JOINT_NAMES), rows, values)
+        which = index_of(name, JOINT_NAMES)
+        write_rows(lib.rb_worlds_scatter_joints, self._handle.pointer, which, rows, values)
 
     def cast_rays(self, worlds: Any, origins: Any, directions: Any, max_distance: float = 1e6,
                   **filter: Unpack[FilterFields]) -> np.ndarray:
@@ -188,7 +189,8 @@ class Worlds:
         return hits
 
     def set_values(self, key: str, values: Any, worlds: Any = None) -> None:
-        """Sets an authored value of each world: domain randomization. A reset brings back that of its snapshot.
+        """Sets an authored value of each world: domain randomization. A reset brings back that of its
+        snapshot.
 
         Args:
             key: "gravity", or "bodies.NAME.KEY" or "joints.NAME.KEY" with keys of scene files:
@@ -205,10 +207,9 @@ class Worlds:
         given = np.ascontiguousarray(values, dtype=np.float64)
         if len(given) != len(numbers):
             raise invalid("values", f"one per world, {len(numbers)}", str(len(given)))
-        kind, name, path = (*key.split(".", 2), "", "")[:3]
         width = given.shape[1] if given.ndim > 1 else 1
-        check(lib.rb_worlds_set_values(self._handle.pointer, kind.encode(), name.encode(), path.encode(),
-                                       numbers.ctypes.data, len(numbers), given.ctypes.data, width))
+        check(lib.rb_worlds_set_values(self._handle.pointer, key.encode(), numbers.ctypes.data, len(numbers),
+                                       given.ctypes.data, width))
 
     @property
     def memory_bytes(self) -> int:

@@ -14,8 +14,9 @@ std::vector<double> copyOfDevice(const ArrayView& view) {
   ArrayView here = view;
   std::vector<char> bytes(static_cast<std::size_t>(view.shape[0] * view.strides[0]));
   cudaStreamSynchronize(reinterpret_cast<cudaStream_t>(view.stream));
-  if (!bytes.empty())
+  if (!bytes.empty()) {
     EXPECT_EQ(cudaMemcpy(bytes.data(), view.data, bytes.size(), cudaMemcpyDefault), cudaSuccess);
+  }
   here.data = bytes.data();
   return copyOfHost(here);
 }

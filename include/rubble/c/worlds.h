@@ -45,12 +45,11 @@ RB_API rb_status rb_worlds_scatter_joints(rb_worlds* worlds, int32_t which, cons
 /// First hits of `count` rays, ray k in world numbers[k]. Hits name bodies of that world.
 RB_API rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays,
                                      int64_t count, rb_ray_hit* hits);
-/// Sets an authored value in many worlds. `list`: "bodies", "joints" or "gravity"; `name`: of the body or
-/// joint; `key`: of scene files, with dots: "mass", "material.friction", "axes.0.drive_stiffness". World
+/// Sets an authored value in many worlds. `key`: "gravity", or "bodies.NAME.KEY" or "joints.NAME.KEY" with
+/// keys of scene files: "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness". World
 /// numbers[k] receives values[k * width] to values[k * width + width - 1], a number if width is 1.
-RB_API rb_status rb_worlds_set_values(rb_worlds* worlds, const char* list, const char* name, const char* key,
-                                      const int32_t* numbers, int64_t count, const double* values,
-                                      int32_t width);
+RB_API rb_status rb_worlds_set_values(rb_worlds* worlds, const char* key, const int32_t* numbers,
+                                      int64_t count, const double* values, int32_t width);
 /// Memory of the tables of the engine [bytes].
 RB_API int64_t rb_worlds_memory_bytes(const rb_worlds* worlds);
 

@@ -20,9 +20,9 @@ def scene() -> Scene:
     limb(out, "crank", _FEET[0], _CRANK_TIP, 0.03, 1, **apart)
     limb(out, "coupler", _CRANK_TIP, _ROCKER_TIP, 0.03, 1, **apart)
     limb(out, "rocker", _FEET[1], _ROCKER_TIP, 0.03, 1, **apart)
-    for name, body, other, place in (("motor", "crank", "world", _FEET[0]), ("elbow", "coupler", "crank", _CRANK_TIP),
-                                     ("wrist", "coupler", "rocker", _ROCKER_TIP),
-                                     ("foot", "rocker", "world", _FEET[1])):
+    hinges = (("motor", "crank", "world", _FEET[0]), ("elbow", "coupler", "crank", _CRANK_TIP),
+              ("wrist", "coupler", "rocker", _ROCKER_TIP), ("foot", "rocker", "world", _FEET[1]))
+    for name, body, other, place in hinges:
         out.add_joint("hinge", body, other, name=name, anchor=list(place), axis=(0, 1, 0))
     return out
 
@@ -30,8 +30,8 @@ def scene() -> Scene:
 class FourBar(WorldsEnv):
     """A four-bar linkage: turn the crank at a speed that each episode draws.
 
-    Observation, 7 numbers: sine and cosine of the angle of the crank, its speed [rad/s], angle [rad] and speed of
-    the rocker, the wanted speed [rad/s], and the force at the elbow [N] over 100.
+    Observation, 7 numbers: sine and cosine of the angle of the crank, its speed [rad/s], angle [rad] and
+    speed of the rocker, the wanted speed [rad/s], and the force at the elbow [N] over 100.
     Action: torque of the motor from -1 to 1, times 20 N m. Reward: 1 - |speed - wanted| / wanted.
     """
 
@@ -54,4 +54,8 @@ class FourBar(WorldsEnv):
         return 1 - np.abs(observations[:, 2] - self._wanted) / self._wanted
 
     def _start(self, worlds: np.ndarray) -> None:
-        self._wanted[worlds] = self.draw(worlds, 1, 2, 6)[:, 0]
+        noise = self.draw(worlds, 2)
+        self._wanted[worlds] = 4 + 2 * noise[:, 0]
+        spin = np.zeros((len(worlds), 1, 3))
+        spin[:, 0, 1] = 0.1 * noise[:, 1]
+        self.set_states("angular_velocity", worlds, ["crank"], spin)

@@ -12,6 +12,8 @@ GRIP, HAND_HEIGHT, FINGER = 3, 0.3, 0.07  # axis of the first finger; [m]; lengt
 REACH = 0.4  #: of the hand from the middle, along x and y [m]
 OPEN = 0.055  #: of a finger from the middle of the hand [m]
 _SPEED = (0.6, 0.6, 0.4, 0.2)  # of the targets along x, y, z and of the fingers [m/s]
+_DRIVE = {"drive_stiffness": 8000, "drive_damping": 250, "max_drive_force": 200}
+_FINGER_DRIVE = {"drive_stiffness": 2000, "drive_damping": 40, "max_drive_force": 15}
 _PARTS = (("bridge", "world", (1, 0, 0)), ("trolley", "bridge", (0, 1, 0)), ("hand", "trolley", (0, 0, 1)),
           ("left", "hand", (-1, 0, 0)), ("right", "hand", (1, 0, 0)))
 
@@ -32,14 +34,13 @@ def scene() -> Scene:
         low, high = ((-OPEN, 0) if finger else (-HAND_HEIGHT + FINGER + 0.02, 0.3) if name == "hand"
                      else (-REACH, REACH))
         out.add_joint("slider", name, other, name=name + " rail", anchor=(0, 0, HAND_HEIGHT), axis=axis,
-                      axes=[{"min": low, "max": high, "drive_stiffness": 2000 if finger else 8000,
-                             "drive_damping": 40 if finger else 250, "max_drive_force": 15 if finger else 200}])
+                      axes=[{"min": low, "max": high, **(_FINGER_DRIVE if finger else _DRIVE)}])
     return out
 
 
 class Gantry(WorldsEnv):
-    """Moves the hand by actions from -1 to 1: speeds of its target along x, y and z, and of the fingers (positive:
-    they close)."""
+    """Moves the hand by actions from -1 to 1: speeds of its target along x, y and z, and of the fingers
+    (positive: they close)."""
 
     def __init__(self, scene: Scene, num_envs: int, **options: Any) -> None:
         self._targets = np.zeros((num_envs, 4))
@@ -51,12 +52,12 @@ class Gantry(WorldsEnv):
         low = np.array([-REACH, -REACH, -HAND_HEIGHT + FINGER + 0.02, 0])
         self._targets[worlds] = np.clip(self._targets[worlds] + way, low, [REACH, REACH, 0.3, OPEN])
         targets = self._targets[worlds]
-        fingers = -np.repeat(targets[:, 3:], 2, axis=1)
-        self.set_joints("target_position", worlds, range(5), np.concatenate([targets[:, :3], fingers], axis=1))
+        given = np.concatenate([targets[:, :3], -np.repeat(targets[:, 3:], 2, axis=1)], axis=1)
+        self.set_joints("target_position", worlds, range(5), given)
 
     def _hand(self) -> np.ndarray:
-        """Place [m] and speed [m/s] of the hand and of the first finger, and touch of both fingers [N] / 10: 10
-        numbers."""
+        """10 numbers: place [m] and speed [m/s] of the hand and of the first finger, and the normal forces on
+        both fingers [N] over 10."""
         x, v = self.joints("position"), self.joints("speed")
         touch = [self.sensors("touch", name) / 10 for name in ("left", "right")]
         return np.concatenate([x[:, :4], v[:, :4], *touch], axis=1)

@@ -15,9 +15,10 @@ _EDGE, _GOAL = 0.05, 0.2
 class LiftCube(Gantry):
     """Grasp a cube of 5 cm and 0.1 kg that lies at a random place, and lift it to 0.2 m.
 
-    Observation, 16 numbers: see `Gantry`, then the place (3) [m] and velocity (3) [m/s] of the cube relative to
-    the hand. Action (4): see `Gantry`. Reward: 1 - the distance of the cube to the hand, plus 5 times the height
-    of the cube over the goal, up to 5.
+    Observation, 16 numbers: place (4) [m] and speed (4) [m/s] of the hand and a finger, normal forces on the
+    fingers (2) [N] over 10, then the place (3) [m] and velocity (3) [m/s] of the cube relative to the hand.
+    Action (4): see `Gantry`. Reward: 1 - the distance of the cube to the hand, plus 5 times the height of the
+    cube over the goal, up to 5.
     """
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-_STEP, _FIRST, _SECOND = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+_STEP = np.uint64(0x9E3779B97F4A7C15)
+_FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 
 
 def _mixed(x: np.ndarray) -> np.ndarray:
@@ -15,7 +16,8 @@ def _mixed(x: np.ndarray) -> np.ndarray:
     return x ^ (x >> np.uint64(31))
 
 
-def uniform(seed: int, worlds: Any, episodes: Any, count: int, low: float = -1, high: float = 1) -> np.ndarray:
+def uniform(seed: int, worlds: Any, episodes: Any, count: int, low: float = -1,
+            high: float = 1) -> np.ndarray:
     """Numbers from `low` to `high` of some episodes of some worlds.
 
     Number k of episode e of world w is a hash of (seed, w, e, k): it depends neither on the other worlds nor

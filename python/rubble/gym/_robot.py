@@ -63,5 +63,6 @@ class Robot(WorldsEnv):
         turn[:, 0, 0], turn[:, 0, 3] = np.cos(yaw / 2), np.sin(yaw / 2)
         place = turned(turn, self.states("position")[worlds][:, of]) + shift[:, None]
         self.set_states("position", worlds, bodies, place)
-        self.set_states("orientation", worlds, bodies, product(turn, self.states("orientation")[worlds][:, of]))
+        turns = product(turn, self.states("orientation")[worlds][:, of])
+        self.set_states("orientation", worlds, bodies, turns)
         self.set_states("velocity", worlds, bodies, np.repeat(velocity[:, None], len(of), axis=1))

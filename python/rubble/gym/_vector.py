@@ -15,8 +15,8 @@ from ._random import uniform
 class WorldsEnv(VectorEnv):
     """Worlds of one scene as a vector environment of Gymnasium.
 
-    World i begins episode k with the same bits for a seed, whatever the other worlds do, and has the bits that
-    it has alone.
+    World i begins episode k with the same bits for a seed, whatever the other worlds do, and has the bits
+    that it has alone.
 
     A subclass sets `single_observation_space` and `single_action_space` before it calls the constructor, and
     defines `_act`, `_observe`, `_reward` and, if it needs them, `_terminated` and `_start`.
@@ -28,8 +28,8 @@ class WorldsEnv(VectorEnv):
         frame_skip: Physics steps in each step of the environment.
         max_episode_steps: Steps until an episode is truncated.
         autoreset: "disabled": an episode that has ended stays as it is until `reset` with the option
-            "reset_mask". "next_step": the next step begins a new one in place of a step. "same_step": the same
-            step does, and the last observation is in ``infos["final_obs"]``.
+            "reset_mask". "next_step": the next step begins a new one in place of a step. "same_step": the
+            same step does, and the last observation is in ``infos["final_obs"]``.
         render_mode: "rgb_array" or None.
         render_worlds: Worlds that `render` shows.
         backend, threads, iterations: As for `rubble.Worlds`.
@@ -119,7 +119,8 @@ class WorldsEnv(VectorEnv):
 
     # The interface of Gymnasium.
 
-    def reset(self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None) -> tuple[Any, dict]:
+    def reset(self, *, seed: Optional[int] = None,
+              options: Optional[dict[str, Any]] = None) -> tuple[Any, dict]:
         """Begins new episodes, in all worlds or in those of ``options["reset_mask"]``. A seed begins with
         episode 0 again."""
         mask = (options or {}).get("reset_mask")

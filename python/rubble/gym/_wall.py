@@ -16,9 +16,9 @@ _PLACES = np.array([(0, -0.065, 0.02), (0, 0.065, 0.02), (0, 0, 0.06), (0, 0, 0.
 class StackWall(Gantry):
     """Build a wall of four bricks, two in the lowest course, from bricks that lie around.
 
-    Observation: see `Gantry`, then for each brick its place (3) [m] relative to its place in the wall and its
-    orientation (4). Action (4): see `Gantry`. Reward: the number of bricks within 2 cm of their places, less the
-    mean distance of all bricks to them [m].
+    Observation, 38 numbers: as of `LiftCube` without the cube, then for each brick its place (3) [m] relative
+    to that in the wall and its orientation (4). Action (4): see `Gantry`. Reward: the number of bricks within
+    2 cm of their places, less the mean distance of all bricks to them [m].
     """
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:
@@ -26,8 +26,8 @@ class StackWall(Gantry):
         world = scene()
         self._bricks = [f"brick{k}" for k in range(_BRICKS)]
         for k, name in enumerate(self._bricks):
-            world.add_body(box_shape(*_SIZE), name=name, mass=0.2, position=(0.2, 0.15 * (k - 1.5), _SIZE[2] / 2),
-                           material={"friction": 0.9})
+            world.add_body(box_shape(*_SIZE), name=name, mass=0.2, material={"friction": 0.9},
+                           position=(0.2, 0.15 * (k - 1.5), _SIZE[2] / 2))
         super().__init__(world, num_envs, **{"max_episode_steps": 1500, **options})
 
     def _observe(self) -> np.ndarray:
