@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Proximal policy optimization (Schulman et al., 2017) in one file: python examples/ppo.py cart-pole
 
-Needs torch and gymnasium. Prints the mean return of the episodes that ended in each iteration, and --out writes
-them as lines of "steps, seconds, mean return".
+Needs torch and gymnasium. Prints the mean return of the episodes that ended in each iteration, and --out
+writes them as lines of "steps, seconds, mean return".
 """
 import argparse
 import time
@@ -68,7 +68,7 @@ def advantages(rewards, values, ends, last, gamma, decay):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("environment", nargs="?", default="cart-pole", choices=list(gym.ENVIRONMENTS))
     parser.add_argument("--worlds", type=int, default=64)
     parser.add_argument("--iterations", type=int, default=60)

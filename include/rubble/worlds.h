@@ -18,7 +18,7 @@ struct WorldsReport : StepReport {
 /// others are and do. Ids of bodies, joints and objects are those of their world.
 class Worlds {
  public:
-  /// Backends: "cpu" and "reference". Throws Error if the options are invalid.
+  /// Throws Error if the options are invalid. All worlds of a device are in one set of tables.
   explicit Worlds(const WorldOptions& options = {});
   ~Worlds();
   Worlds(Worlds&&) noexcept;
@@ -51,7 +51,7 @@ class Worlds {
   /// State of the bodies of all worlds, one row per body. Body k of world w has the row rowsOf(w)[k], which
   /// is firstRow(w) + k unless bodies were added to a world after others had been made. Worlds of one scene
   /// have an array of shape (worlds, bodies, numbers). The data are a copy, valid until the next call for the
-  /// same array.
+  /// same array; with a device they are those of the device, valid until bodies are added or removed.
   ArrayView array(StateArray which) const;
   std::vector<int> rowsOf(int world) const;
   int firstRow(int world) const;

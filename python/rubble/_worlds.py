@@ -40,7 +40,7 @@ class Worlds:
     Args:
         scene: Scene of the first worlds, or none.
         count: Number of worlds of that scene.
-        backend: "cpu" or "reference" (double precision).
+        backend: "cpu", "reference" (double precision), or another of `info()`.
         threads: 0: one per core.
         events: Collect the events of each step.
         options: "preset", "timings" and parameters by name: dt [s], iterations, substeps, sleeping.

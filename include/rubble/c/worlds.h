@@ -7,7 +7,7 @@
 extern "C" {
 #endif
 
-/// An empty batch. `options` as for rb_world_create(); backends "cpu" and "reference".
+/// An empty batch. `options` as for rb_world_create().
 RB_API rb_status rb_worlds_create(const char* options, rb_worlds** worlds);
 /// Handles of single worlds stay valid until they are destroyed.
 RB_API void rb_worlds_destroy(rb_worlds* worlds);

@@ -56,10 +56,10 @@ def scene() -> Scene:
 class Humanoid(Robot):
     """A robot with two legs and two arms, 13 bodies and 21 degrees of freedom: walk along x.
 
-    Observation, 60 numbers: height of the chest [m], its orientation (4), velocity (3) [m/s], acceleration (3)
-    [m/s2] and angular velocity (3) [rad/s] as an inertial sensor measures them, positions (21) [rad] and speeds
-    (21) [rad/s] of the axes, normal forces on both feet over the weight (2), and the height of the pelvis and
-    the head [m].
+    Observation, 60 numbers: height of the chest [m], its orientation (4), velocity (3) [m/s], acceleration
+    (3) [m/s2] and angular velocity (3) [rad/s] as an inertial sensor measures them, positions (21) [rad] and
+    speeds (21) [rad/s] of the axes, normal forces on both feet over the weight (2), and the heights of pelvis
+    and head [m].
     Action: targets of the 21 axes, see `Robot`. Reward: speed along x [m/s] + 1 - 0.02 |action|^2. An episode
     ends with the chest below 0.9 m.
     """
