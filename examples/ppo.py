@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Proximal policy optimization (Schulman et al., 2017) in one file: python examples/ppo.py cart-pole
 
-Needs torch and gymnasium. Prints the mean return of the episodes that ended in each iteration, and --out
-writes them as lines of "steps, seconds, mean return".
+Needs torch and gymnasium. Prints the mean return of the last episodes, as many as there are worlds, and --out
+writes it as lines of "steps, seconds, mean return".
 """
 import argparse
 import time
+from collections import deque
 
 import numpy as np
 import torch
@@ -89,11 +90,12 @@ def main():
     agent = Agent(env.single_observation_space.shape[0], space.n if discrete else space.shape[0], discrete)
     optimizer = torch.optim.Adam(agent.parameters(), lr=given.rate, eps=1e-5)
     x = torch.as_tensor(env.reset(seed=given.seed)[0])
-    returns, begin, curve = np.zeros(given.worlds), time.time(), []
+    returns, ended = np.zeros(given.worlds), deque(maxlen=given.worlds)
+    begin, curve = time.time(), []
     for iteration in range(given.iterations):
         for group in optimizer.param_groups:
             group["lr"] = given.rate * (1 - iteration / given.iterations)
-        rows, ended = [], []
+        rows = []
         for _ in range(given.steps):
             agent.see(x)
             with torch.no_grad():
@@ -103,7 +105,7 @@ def main():
                 reward = reward.astype(np.float32)
                 returns += reward
                 end = terminated | truncated
-                ended += returns[end].tolist()
+                ended.extend(returns[end])
                 returns[end] = 0
                 if truncated.any():  # the episode would go on: its value counts
                     after = agent(torch.as_tensor(infos["final_obs"]))[1].numpy()

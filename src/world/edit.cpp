@@ -195,32 +195,31 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
   ++epoch;
 }
 
-void World::Impl::redefine(BodyId id, const BodyDef& def) {
+void World::Impl::redefine(BodyId id, BodyDef def) {
   requireAlive(id);
   validate(def, "body");
   const BodyRecord& before = registry.bodies[id];
+  const bool keepsShape = sameShape(def.shape, before.def.shape);
+  if (keepsShape) def.shape = before.def.shape;
   const auto requireSame = [](bool same, const char* what) {
     if (!same) throw Error(std::string("body.") + what, "that of the body", "another");
   };
   requireSame(def.name == before.def.name, "name");
   requireSame(def.motion == before.def.motion, "motion");
-  const Shape &shape = def.shape, &old = before.def.shape;
-  requireSame((shape.type == ShapeType::Plane) == (old.type == ShapeType::Plane), "shape");
+  const ShapeType type = def.shape.type, old = before.def.shape.type;
+  requireSame((type == ShapeType::Plane) == (old == ShapeType::Plane), "shape");
   std::vector<CookedEntry> fresh;
-  ReadyBody ready{cookShape(shape, "body.shape", fresh), {}};
+  ReadyBody ready{cookShape(def.shape, "body.shape", fresh), {}};
   ready.mass = massOfDefinition(def, ready.cooked->unit, "body");
   const ShapeFrame frame{ready.cooked->unit.center, ready.cooked->unit.axes};
   const bool moves = !(frame.center == before.frame.center && frame.axes == before.frame.axes);
-  const bool sameShape = shape.type == old.type && shape.halfExtents == old.halfExtents &&
-                         shape.radius == old.radius && shape.halfLength == old.halfLength &&
-                         shape.rounding == old.rounding && shape.geometry == old.geometry;
   TableAdditions tables(registry);
-  const int base = tables.placeShape(shape, ready.cooked), surface = tables.surfaceOf(def.material);
+  const int base = tables.placeShape(def.shape, ready.cooked), surface = tables.surfaceOf(def.material);
   std::vector<Edit> edits = tables.edits();
   addWake(edits, id);
   edits.push_back(SetBody{id.index, engineBody(def, ready, base, surface), true});
   if (moves) edits.push_back(SetBodyState{id.index, frame.toEngine(before.frame.toAuthor(bodyState(id)))});
-  if (!sameShape) edits.push_back(ForgetContacts{{id.index}});
+  if (!keepsShape) edits.push_back(ForgetContacts{{id.index}});
   BodyRecord record{def, ready.mass, frame, ready.cooked->radius, before.joints};
   tables.prepare(registry);
   registry.bodies.prepare(0);

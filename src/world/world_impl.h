@@ -103,6 +103,8 @@ void checkScatter(JointArray which, const ArrayView& rows, const ArrayView& valu
 const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape);
 
 bool sameMaterial(const Material& a, const Material& b);
+/// Also where the geometry is an equal copy.
+bool sameShape(const Shape& a, const Shape& b);
 
 /// Throws Error if no such engine can be made.
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options);
@@ -258,7 +260,7 @@ struct World::Impl {
   /// The same without a word to the sink of inputs.
   void replaceJoint(JointId id, const JointDef& def);
   /// Redefines a body, which keeps its state.
-  void redefine(BodyId id, const BodyDef& def);
+  void redefine(BodyId id, BodyDef def);
   /// Tells the engine what the rows of joint arrays are, if that has changed.
   void sendJointRows();
   /// Redefines a joint whose axis is changed by edit(JointAxis&).
