@@ -149,6 +149,16 @@ rb_status rb_worlds_scatter_joints(rb_worlds* worlds, int32_t which, const rb_ar
   });
 }
 
+rb_status rb_worlds_contact_forces(const rb_worlds* worlds, const int32_t* rows, int64_t count,
+                                   rb_array* array) {
+  return guarded([&] {
+    const std::vector<int> numbers = mapped(rows, 2 * count, [](int32_t row) { return int{row}; });
+    std::vector<std::array<int, 2>> pairs;
+    for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) pairs.push_back({numbers[k], numbers[k + 1]});
+    need(array, "array") = toC(worldsOf(worlds).contactForces(pairs));
+  });
+}
+
 rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays, int64_t count,
                               rb_ray_hit* hits) {
   return guarded([&] {

@@ -180,6 +180,9 @@ class World {
   /// scatter() of states, with `values` of shape (n, 1). Definitions of joints do not change: setDefinition()
   /// and the calls that edit it replace targets by those of the definition.
   void scatter(JointArray which, const ArrayView& rows, const ArrayView& values);
+  /// Sum of the contact forces of the last step between the two bodies of each pair, on the second one, world
+  /// axes [N]: 3 numbers per pair. Valid until the next call.
+  ArrayView contactForces(std::span<const std::array<BodyId, 2>> pairs) const;
 
   // Asynchronous copies of poses to the host, for rendering or learning.
   /// Starts a copy of the present poses and returns immediately. Following steps do not wait for it. At most

@@ -1,5 +1,6 @@
 #pragma once
 /// Many separate worlds in one set of tables and one step, for learning and for parameter studies.
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -66,6 +67,9 @@ class Worlds {
   /// What sensors measure in all worlds. Rows are those of array() of states or, for joints, world after
   /// world.
   ArrayView array(SensorArray which) const;
+
+  /// World::contactForces() of pairs of rows of array(): two bodies of one world each.
+  ArrayView contactForces(std::span<const std::array<int, 2>> rows) const;
 
   /// A ray in one of the worlds.
   struct WorldRay {

@@ -171,6 +171,20 @@ class Worlds:
         which = index_of(name, JOINT_NAMES)
         write_rows(lib.rb_worlds_scatter_joints, self._handle.pointer, which, rows, values)
 
+    def contact_forces(self, pairs: Any) -> Any:
+        """Contact forces of the last step between the two bodies of each pair.
+
+        Args:
+            pairs: (n, 2) rows of `array`: two bodies of one world each.
+        Returns:
+            (n, 3) on the second body, world axes [N]: a copy, or a `DeviceArray` with the backend "cuda".
+        """
+        rows = np.ascontiguousarray(pairs, dtype=np.int32).reshape(-1, 2)
+
+        def call(pointer: Any, which: int, array: Any) -> int:
+            return lib.rb_worlds_contact_forces(pointer, rows.ctypes.data, len(rows), array)
+        return read_array(call, self._handle, 0)
+
     def cast_rays(self, worlds: Any, origins: Any, directions: Any, max_distance: float = 1e6,
                   **filter: Unpack[FilterFields]) -> np.ndarray:
         """First hits of rays in many worlds: ray k from ``origins[k]`` [m] in world ``worlds[k]``.

@@ -187,6 +187,26 @@ struct SumContactForces {
   }
 };
 
+/// Row k: the contact force on the second body of pair k of ids.
+struct ReadPairForce {
+  const int* pairs;  ///< [pairs][2]
+  Real* to;          ///< [pairs][3]
+
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    const int a = s.placeOf[pairs[2 * k]], b = s.placeOf[pairs[2 * k + 1]];
+    Vec3 sum{0, 0, 0};
+    for (const int owner : {a, b})
+      for (int p = s.oldPairOffset[owner]; p < s.oldPairOffset[owner + 1]; ++p) {
+        if (s.oldPair[p].other != a + b - owner) continue;
+        Vec3 onB;
+        Real normal;
+        if (SumContactForces::contactForce(s, p, onB, normal))
+          sum += ordered(s.oldPair[p]).b == b ? onB : -onB;
+      }
+    to[3 * k] = sum.x, to[3 * k + 1] = sum.y, to[3 * k + 2] = sum.z;
+  }
+};
+
 /// Row k of a sensor array: body of id k, or joint k.
 struct ReadSensor {
   SensorArray which;

@@ -57,6 +57,18 @@ ArrayView World::array(SensorArray which) const {
   });
 }
 
+ArrayView World::contactForces(std::span<const std::array<BodyId, 2>> pairs) const {
+  return withMemory("contactForces", [&] {
+    std::vector<std::array<int, 2>> ids;
+    for (const auto& [a, b] : pairs) {
+      impl_->requireAlive(a), impl_->requireAlive(b);
+      ids.push_back({a.index, b.index});
+    }
+    impl_->flush();
+    return impl_->engine->contactForces(ids);
+  });
+}
+
 void World::scatter(JointArray which, const ArrayView& rows, const ArrayView& values) {
   checkScatter(which, rows, values);
   if (rows.shape[0] == 0) return;

@@ -110,6 +110,13 @@ void WorldSlice::scatter(StateArray which, const ArrayView& rows, const ArrayVie
   scatter(batch_->rowsOf(world_), which, rows, values);
 }
 
+ArrayView WorldSlice::contactForces(std::span<const std::array<int, 2>> pairs) {
+  batch_->flush();
+  std::vector<std::array<int, 2>> there;
+  for (const auto& [a, b] : pairs) there.push_back({row(a), row(b)});
+  return batch_->engine().contactForces(there);
+}
+
 void WorldSlice::scatter(JointArray which, const ArrayView& rows, const ArrayView& values) {
   batch_->sendJointRows();
   std::vector<int> ids;

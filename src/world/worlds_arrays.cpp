@@ -128,6 +128,41 @@ void Worlds::scatter(JointArray which, const ArrayView& rows, const ArrayView& v
   impl_->scatter(which, begin, rows, values);
 }
 
+ArrayView Worlds::contactForces(std::span<const std::array<int, 2>> rows) const {
+  std::vector<int> begin{0};
+  for (const std::shared_ptr<Batch>& batch : impl_->batches) begin.push_back(begin.back() + batch->rows());
+  std::vector<std::vector<std::array<int, 2>>> pairs(impl_->batches.size());
+  std::vector<std::vector<std::size_t>> from(pairs.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const auto [a, b] = rows[k];
+    if (a < 0 || b < 0 || a >= begin.back() || b >= begin.back())
+      throw Error("rows", "rows below " + std::to_string(begin.back()), std::to_string(std::max(a, b)));
+    const auto batch = static_cast<std::size_t>(std::ranges::upper_bound(begin, a) - begin.begin() - 1);
+    if (b < begin[batch] || b >= begin[batch + 1]) throw Error("rows", "two bodies of one world", "of two");
+    pairs[batch].push_back({a - begin[batch], b - begin[batch]});
+    from[batch].push_back(k);
+  }
+  std::vector<ArrayView> views(pairs.size());
+  impl_->forEachBatch([&](std::size_t k) {
+    if (pairs[k].empty()) return;
+    impl_->flush(k);
+    views[k] = impl_->batches[k]->engine().contactForces(pairs[k]);
+  });
+  if (views.size() == 1) return views[0];
+  ArrayView all;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    if (pairs[k].empty()) continue;
+    const auto row = static_cast<std::size_t>(views[k].strides[0]);
+    all = views[k];
+    impl_->pairForces.resize(rows.size() * row);
+    for (std::size_t i = 0; i < from[k].size(); ++i)
+      std::memcpy(impl_->pairForces.data() + from[k][i] * row,
+                  static_cast<const std::byte*>(views[k].data) + i * row, row);
+  }
+  all.data = impl_->pairForces.data(), all.shape[0] = static_cast<std::int64_t>(rows.size());
+  return all;
+}
+
 std::vector<RayHit> Worlds::castRays(std::span<const WorldRay> rays) {
   std::vector<RayHit> out(rays.size());
   std::vector<std::vector<std::size_t>> ofBatch(impl_->batches.size());

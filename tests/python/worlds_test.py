@@ -74,6 +74,9 @@ class ManyWorlds(Case):
         self.assertNear(touch, np.full((3, 2), 2 * 9.81), 0.05)
         forces = worlds.sensor_array("contact_force").reshape(3, 2, 3)
         self.assertNear(forces[:, 1], [(0, 0, 2 * 9.81)] * 3, 0.05)
+        pairs = worlds.contact_forces([worlds.rows(w)[:2] for w in (2, 0)])
+        self.assertNear(pairs, [(0, 0, 2 * 9.81)] * 2, 0.05)
+        self.assertNear(worlds.contact_forces([worlds.rows(1)[[1, 0]]]), -pairs[:1], 0.05)
         self.assertNear(worlds.sensor_array("acceleration").reshape(3, 2, 3)[:, 1, 2], [9.81] * 3, 0.01)
 
     def test_rays_are_cast_in_the_world_of_each(self):

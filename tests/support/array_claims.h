@@ -91,7 +91,19 @@ inline void expectArraysOfWorld(const World& world, const CopyView& copy, bool a
         sums[static_cast<std::size_t>(c.b.index)] += c.force;
     for (const BodyId id : {c.a, c.b}) normals[static_cast<std::size_t>(id.index)] += dot(c.normal, c.force);
   }
+  std::vector<std::array<BodyId, 2>> pairs;
+  for (const BodyId a : world.bodies())
+    for (const BodyId b : world.bodies())
+      if (a != b) pairs.push_back({a, b});
+  const std::vector<double> between = copy(world.contactForces(pairs));
+  std::vector<Vec3> sumsOfPairs(touch.size());
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    sumsOfPairs[static_cast<std::size_t>(pairs[k][1].index)] += Vec3{between[3 * k], between[3 * k + 1],
+                                                                     between[3 * k + 2]};
   for (const BodyId id : world.bodies()) {
+    for (int i = 0; i < 3; ++i)
+      expectClose(sumsOfPairs[static_cast<std::size_t>(id.index)][i],
+                  sums[static_cast<std::size_t>(id.index)][i], "contact force of pairs", 10);
     const auto row = static_cast<std::size_t>(id.index);
     for (int i = 0; i < 3; ++i)
       expectClose(contact[3 * row + static_cast<std::size_t>(i)], sums[row][i], "contact force", 10);

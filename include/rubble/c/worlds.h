@@ -42,6 +42,10 @@ RB_API rb_status rb_worlds_sensor_array(const rb_worlds* worlds, int32_t which, 
 RB_API rb_status rb_worlds_first_axis(const rb_worlds* worlds, int32_t number, int32_t* row);
 RB_API rb_status rb_worlds_scatter_joints(rb_worlds* worlds, int32_t which, const rb_array* rows,
                                           const rb_array* values);
+/// Contact forces on the second body of each of `count` pairs of rows (two numbers each), world axes [N]: 3
+/// numbers per pair. Valid until the next call.
+RB_API rb_status rb_worlds_contact_forces(const rb_worlds* worlds, const int32_t* rows, int64_t count,
+                                          rb_array* array);
 /// First hits of `count` rays, ray k in world numbers[k]. Hits name bodies of that world.
 RB_API rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays,
                                      int64_t count, rb_ray_hit* hits);

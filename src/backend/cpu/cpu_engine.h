@@ -60,6 +60,9 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   void setJointRows(const JointRows& rows) override { jointRows_.set(rows); }
   ArrayView array(JointArray which) override { return jointRows_.view(tables(), which); }
   ArrayView array(SensorArray which) override { return jointRows_.view(tables(), which); }
+  ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override {
+    return jointRows_.contactForces(tables(), pairs);
+  }
   void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override {
     jointRows_.scatter(tables(), which, rows, values);
     arrays_.follow();

@@ -28,6 +28,12 @@ class HostJointRows {
     forEach(ReadSensor{which, sums_.data(), tables_.joints.data(), to.data()}, tables, rows);
     return rowsOfNumbers(to.data(), static_cast<int>(rows), numbersOf(which));
   }
+  ArrayView contactForces(const HostTables& tables, std::span<const std::array<int, 2>> pairs) {
+    pairForces_.resize(3 * pairs.size());
+    forEach(ReadPairForce{pairs.empty() ? nullptr : pairs[0].data(), pairForces_.data()}, tables,
+            pairs.size());
+    return rowsOfNumbers(pairForces_.data(), static_cast<int>(pairs.size()), 3);
+  }
   void scatter(const HostTables& tables, JointArray which, const ArrayView& rows, const ArrayView& values) {
     const AxisValues given(static_cast<int>(tables_.axes.size()), rows, values);
     const auto count = static_cast<std::size_t>(rows.shape[0]);
@@ -47,7 +53,7 @@ class HostJointRows {
 
   AxisTables tables_;
   std::vector<Real> axes_[static_cast<int>(JointArray::AppliedForce) + 1],
-      sensors_[static_cast<int>(SensorArray::JointTorque) + 1], forces_;
+      sensors_[static_cast<int>(SensorArray::JointTorque) + 1], forces_, pairForces_;
   std::vector<ForceSums> sums_;
 };
 

@@ -47,6 +47,9 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   void setJointRows(const JointRows& rows) override { mirror_.setJointRows(rows); }
   ArrayView array(JointArray which) override { return mirror_.array(which); }
   ArrayView array(SensorArray which) override { return mirror_.array(which); }
+  ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override {
+    return mirror_.contactForces(pairs);
+  }
   void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override {
     mirror_.scatter(which, rows, values);
   }

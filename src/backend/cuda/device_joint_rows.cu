@@ -18,8 +18,8 @@ template <class Kernel> void forEach(const SolverData& s, const Kernel& kernel, 
   checkCuda(cudaGetLastError(), "joint rows");
 }
 
-template <class T> void send(const std::vector<T>& from, DeviceBuffer& to, cudaStream_t stream) {
-  const std::size_t bytes = sizeof(T) * from.size();
+template <class T> void send(std::span<const T> from, DeviceBuffer& to, cudaStream_t stream) {
+  const std::size_t bytes = from.size_bytes();
   to.reserve(bytes);
   if (bytes > 0)
     checkCuda(cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyHostToDevice, stream),
@@ -40,8 +40,8 @@ void DeviceJointRows::set(const JointRows& rows, cudaStream_t stream) {
   const AxisTables tables(rows);
   axes_ = static_cast<int>(tables.axes.size()), joints_ = static_cast<int>(tables.joints.size());
   sides_ = static_cast<int>(tables.sides.size());
-  send(tables.axes, axisRefs_, stream), send(tables.joints, jointRefs_, stream);
-  send(tables.sides, axisSides_, stream);
+  send(std::span(tables.axes), axisRefs_, stream), send(std::span(tables.joints), jointRefs_, stream);
+  send(std::span(tables.sides), axisSides_, stream);
 }
 
 ArrayView DeviceJointRows::view(const SolverData& device, JointArray which, cudaStream_t stream) {
@@ -65,6 +65,15 @@ ArrayView DeviceJointRows::view(const SolverData& device, SensorArray which, int
   forEach(device, ReadSensor{which, in<ForceSums>(sums_), in<AxisRef>(jointRefs_), in<Real>(to)}, rows,
           stream);
   return onDevice(rowsOfNumbers(in<Real>(to), rows, numbers), stream);
+}
+
+ArrayView DeviceJointRows::contactForces(const SolverData& device, std::span<const std::array<int, 2>> pairs,
+                                         cudaStream_t stream) {
+  const auto count = static_cast<int>(pairs.size());
+  send(pairs, pairs_, stream);
+  pairForces_.reserve(sizeof(Real) * 3 * pairs.size());
+  forEach(device, ReadPairForce{in<int>(pairs_), in<Real>(pairForces_)}, count, stream);
+  return onDevice(rowsOfNumbers(in<Real>(pairForces_), count, 3), stream);
 }
 
 void DeviceJointRows::scatter(const SolverData& device, JointArray which, const ArrayView& rows,

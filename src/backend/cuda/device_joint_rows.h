@@ -12,6 +12,8 @@ class DeviceJointRows {
   ArrayView view(const SolverData& device, JointArray which, cudaStream_t stream);
   /// `bodies`: ids; `pairs`: pairs of the last step.
   ArrayView view(const SolverData& device, SensorArray which, int bodies, int pairs, cudaStream_t stream);
+  ArrayView contactForces(const SolverData& device, std::span<const std::array<int, 2>> pairs,
+                          cudaStream_t stream);
   /// `rows` and `values` are device memory.
   void scatter(const SolverData& device, JointArray which, const ArrayView& rows, const ArrayView& values,
                cudaStream_t stream);
@@ -22,7 +24,7 @@ class DeviceJointRows {
   int axes_ = 0, joints_ = 0, sides_ = 0;
   DeviceBuffer axisRefs_, jointRefs_, axisSides_;
   DeviceBuffer axisNumbers_[static_cast<int>(JointArray::AppliedForce) + 1],
-      sensorNumbers_[static_cast<int>(SensorArray::JointTorque) + 1], forces_, sums_;
+      sensorNumbers_[static_cast<int>(SensorArray::JointTorque) + 1], forces_, sums_, pairs_, pairForces_;
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -82,6 +82,10 @@ class Mirror {
     flush();
     return jointRows_.view(present(), which, host_.bodyIds, oldPairs(), stepper_.stream());
   }
+  ArrayView contactForces(std::span<const std::array<int, 2>> pairs) {
+    flush();
+    return jointRows_.contactForces(present(), pairs, stepper_.stream());
+  }
   void scatter(JointArray which, const ArrayView& rows, const ArrayView& values);
   /// Updates the arrays by id after a step.
   void followArrays();
