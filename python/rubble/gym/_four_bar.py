@@ -7,7 +7,7 @@ import numpy as np
 
 from .. import Scene
 from ._robot import limb
-from ._vector import WorldsEnv, box
+from ._vector import WorldsEnv, box, on_host
 
 _TORQUE, _CRANK = 20.0, 0
 _FEET, _CRANK_TIP, _ROCKER_TIP = ((0, 0, 0), (1.0, 0, 0)), (0, 0, 0.3), (0.9, 0, 0.8)
@@ -46,7 +46,7 @@ class FourBar(WorldsEnv):
 
     def _observe(self) -> np.ndarray:
         x, v = self.joints("position"), self.joints("speed")
-        elbow = self.worlds.sensor_array("joint_force").reshape(self.num_envs, -1, 3)[:, 1]
+        elbow = on_host(self.worlds.sensor_array("joint_force")).reshape(self.num_envs, -1, 3)[:, 1]
         return np.stack([np.sin(x[:, 0]), np.cos(x[:, 0]), v[:, 0], x[:, 3], v[:, 3], self._wanted,
                          np.linalg.norm(elbow, axis=1) / 100], axis=1)
 

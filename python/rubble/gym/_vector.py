@@ -92,18 +92,18 @@ class WorldsEnv(VectorEnv):
 
     def states(self, name: str, body: Optional[str] = None) -> np.ndarray:
         """`rubble.Worlds.array` as (num_envs, bodies, numbers), or of one body as (num_envs, numbers)."""
-        array = self.worlds.array(name)
+        array = on_host(self.worlds.array(name))
         array = array.reshape(self.num_envs, self._body_count, array.shape[1])
         return array if body is None else array[:, self.bodies[body]]
 
     def sensors(self, name: str, body: str) -> np.ndarray:
         """`rubble.Worlds.sensor_array` of one body: (num_envs, numbers)."""
-        array = self.worlds.sensor_array(name)
+        array = on_host(self.worlds.sensor_array(name))
         return array.reshape(self.num_envs, self._body_count, array.shape[1])[:, self.bodies[body]]
 
     def joints(self, name: str) -> np.ndarray:
         """`rubble.Worlds.joint_array` as (num_envs, axes)."""
-        return self.worlds.joint_array(name).reshape(self.num_envs, -1)
+        return on_host(self.worlds.joint_array(name)).reshape(self.num_envs, -1)
 
     def set_joints(self, name: str, worlds: np.ndarray, axes: Sequence[int], values: np.ndarray) -> None:
         """`rubble.Worlds.scatter_joints` for these axes of some worlds. `values`: (n, axes)."""
@@ -179,6 +179,14 @@ class WorldsEnv(VectorEnv):
         self._steps[worlds], self._ended[worlds] = 0, False
         self.worlds.reset(worlds, self._starts)
         self._start(worlds)
+
+
+def on_host(array: Any) -> np.ndarray:
+    """An array of `rubble.Worlds` in host memory. Device arrays are copied by torch."""
+    if isinstance(array, np.ndarray):
+        return array
+    import torch
+    return torch.as_tensor(array, device="cuda").cpu().numpy()
 
 
 def box(size: int, low: float = -np.inf, high: float = np.inf) -> spaces.Box:
