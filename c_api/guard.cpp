@@ -94,6 +94,33 @@ StateArray stateArrayOf(std::int32_t which) {
   return static_cast<StateArray>(which);
 }
 
+JointArray jointArrayOf(std::int32_t which) {
+  if (which < RB_JOINT_POSITION || which > RB_JOINT_APPLIED_FORCE)
+    throw Error("which", "a joint array, 0 to 9", std::to_string(which));
+  return static_cast<JointArray>(which);
+}
+
+SensorArray sensorArrayOf(std::int32_t which) {
+  if (which < RB_SENSOR_CONTACT_FORCE || which > RB_SENSOR_JOINT_TORQUE)
+    throw Error("which", "a sensor array, 0 to 5", std::to_string(which));
+  return static_cast<SensorArray>(which);
+}
+
+QueryFilter filterOf(const rb_query_filter& filter) {
+  return {filter.layers, filter.mask, filter.sensors != 0, idOf(filter.ignore)};
+}
+
+RayQuery queryOf(const rb_ray& ray) {
+  return {vec(ray.origin), vec(ray.direction), ray.max_distance, filterOf(ray.filter)};
+}
+
+rb_ray_hit toC(const RayHit& hit) {
+  rb_ray_hit out{};
+  out.hit = hit.hit, out.body = idOf(hit.body), out.distance = hit.distance;
+  store(hit.position, out.position), store(hit.normal, out.normal);
+  return out;
+}
+
 rb_mass toC(const MassProperties& mass) {
   rb_mass out{};
   out.mass = mass.mass;

@@ -91,7 +91,13 @@ void giveIds(std::vector<T>& kept, const std::vector<Id>& ids, const T** list, s
 
 /// Throws Error unless it is one of rb_state_array.
 StateArray stateArrayOf(std::int32_t which);
+/// The same for rb_joint_array and rb_sensor_array.
+JointArray jointArrayOf(std::int32_t which);
+SensorArray sensorArrayOf(std::int32_t which);
 
+QueryFilter filterOf(const rb_query_filter& filter);
+RayQuery queryOf(const rb_ray& ray);
+rb_ray_hit toC(const RayHit& hit);
 rb_mass toC(const MassProperties& mass);
 rb_body_state toC(const BodyState& state);
 BodyState fromC(const rb_body_state& state);

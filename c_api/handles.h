@@ -28,7 +28,8 @@ struct rb_world {
   std::shared_ptr<rubble::World> world;
   rubble::StepReport report;
   std::vector<rb_body_id> bodies, added, overlapping;
-  std::vector<rb_joint_id> joints;
+  std::vector<rb_joint_id> joints, axisJoints;
+  std::vector<std::int32_t> axes;
   std::vector<rb_deformable_id> deformables;
   std::vector<rb_attachment_id> attachments;
   std::vector<rb_contact_point> contacts, eventPoints;

@@ -48,6 +48,31 @@ rb_status rb_world_array(const rb_world* world, int32_t which, rb_array* array) 
   return guarded([&] { need(array, "array") = toC(worldOf(world).array(stateArrayOf(which))); });
 }
 
+rb_status rb_world_joint_array(const rb_world* world, int32_t which, rb_array* array) {
+  return guarded([&] { need(array, "array") = toC(worldOf(world).array(jointArrayOf(which))); });
+}
+
+rb_status rb_world_sensor_array(const rb_world* world, int32_t which, rb_array* array) {
+  return guarded([&] { need(array, "array") = toC(worldOf(world).array(sensorArrayOf(which))); });
+}
+
+rb_status rb_world_axes(rb_world* world, const rb_joint_id** joints, const int32_t** axes, int64_t* count) {
+  return guarded([&] {
+    World& own = worldOf(world);
+    world->axisJoints.clear(), world->axes.clear();
+    for (const World::Axis& axis : own.axes())
+      world->axisJoints.push_back(idOf(axis.joint)), world->axes.push_back(axis.axis);
+    give(world->axisJoints, joints, count), give(world->axes, axes, count);
+  });
+}
+
+rb_status rb_world_scatter_joints(rb_world* world, int32_t which, const rb_array* rows,
+                                  const rb_array* values) {
+  return guarded([&] {
+    worldOf(world).scatter(jointArrayOf(which), fromC(need(rows, "rows")), fromC(need(values, "values")));
+  });
+}
+
 int64_t rb_world_epoch(const rb_world* world) { return world ? world->world->epoch() : -1; }
 
 rb_status rb_world_dlpack(rb_world* world, int32_t which, void** tensor) {

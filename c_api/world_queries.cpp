@@ -5,27 +5,13 @@
 using namespace rubble;
 using namespace rubble::c;
 
-namespace {
-
-QueryFilter filterOf(const rb_query_filter& filter) {
-  return {filter.layers, filter.mask, filter.sensors != 0, idOf(filter.ignore)};
-}
-
-}  // namespace
-
 extern "C" {
 
 rb_status rb_world_cast_rays(rb_world* world, const rb_ray* rays, int64_t count, rb_ray_hit* hits) {
   return guarded([&] {
-    const auto queries = mapped(rays, count, [](const rb_ray& ray) {
-      return RayQuery{vec(ray.origin), vec(ray.direction), ray.max_distance, filterOf(ray.filter)};
-    });
+    const auto queries = mapped(rays, count, queryOf);
     if (count > 0) need(hits, "hits");
-    for (const RayHit& hit : worldOf(world).castRays(queries)) {
-      rb_ray_hit& out = *hits++;
-      out.hit = hit.hit, out.body = idOf(hit.body), out.distance = hit.distance;
-      store(hit.position, out.position), store(hit.normal, out.normal);
-    }
+    for (const RayHit& hit : worldOf(world).castRays(queries)) *hits++ = toC(hit);
   });
 }
 

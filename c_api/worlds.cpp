@@ -1,5 +1,8 @@
 #include <rubble/c/worlds.h>
 
+#include <sstream>
+#include <utility>
+
 #include <rubble/worlds.h>
 
 #include "c_api/handles.h"
@@ -16,6 +19,34 @@ struct rb_worlds {
 namespace {
 
 Worlds& worldsOf(const rb_worlds* handle) { return *need(handle, "worlds").worlds; }
+
+/// What "gravity", "bodies.NAME.KEY" or "joints.NAME.KEY" names.
+struct ValueKey {
+  std::string list, name, key;
+  explicit ValueKey(const std::string& path) {
+    std::istringstream in(path);
+    std::getline(in, list, '.'), std::getline(in, name, '.'), std::getline(in, key);
+    if (list != "gravity" && list != "bodies" && list != "joints")
+      throw Error("key", "gravity, bodies.NAME.KEY or joints.NAME.KEY", path);
+  }
+  void set(World& world, std::span<const double> values) const {
+    if (list == "gravity") {
+      if (values.size() != 3) throw Error("width", "3 for gravity", std::to_string(values.size()));
+      return world.setGravity({values[0], values[1], values[2]});
+    }
+    const std::string text = io::nested(key, values);
+    if (list == "bodies") {
+      const BodyId id = world.findBody(name);
+      BodyDef def = world.definition(id);
+      io::parseBodyValues(text, def);
+      return world.setDefinition(id, def);
+    }
+    const JointId id = world.findJoint(name);
+    JointDef def = world.definition(id);
+    io::parseJointValues(text, def);
+    world.setDefinition(id, def);
+  }
+};
 
 }  // namespace
 
@@ -96,6 +127,61 @@ rb_status rb_worlds_rows(rb_worlds* worlds, int32_t number, const int32_t** rows
 rb_status rb_worlds_scatter(rb_worlds* worlds, int32_t which, const rb_array* rows, const rb_array* values) {
   return guarded([&] {
     worldsOf(worlds).scatter(stateArrayOf(which), fromC(need(rows, "rows")), fromC(need(values, "values")));
+  });
+}
+
+rb_status rb_worlds_joint_array(const rb_worlds* worlds, int32_t which, rb_array* array) {
+  return guarded([&] { need(array, "array") = toC(worldsOf(worlds).array(jointArrayOf(which))); });
+}
+
+rb_status rb_worlds_sensor_array(const rb_worlds* worlds, int32_t which, rb_array* array) {
+  return guarded([&] { need(array, "array") = toC(worldsOf(worlds).array(sensorArrayOf(which))); });
+}
+
+rb_status rb_worlds_first_axis(const rb_worlds* worlds, int32_t number, int32_t* row) {
+  return guarded([&] { need(row, "row") = worldsOf(worlds).firstAxis(number); });
+}
+
+rb_status rb_worlds_scatter_joints(rb_worlds* worlds, int32_t which, const rb_array* rows,
+                                   const rb_array* values) {
+  return guarded([&] {
+    worldsOf(worlds).scatter(jointArrayOf(which), fromC(need(rows, "rows")), fromC(need(values, "values")));
+  });
+}
+
+rb_status rb_worlds_contact_forces(const rb_worlds* worlds, const int32_t* rows, int64_t count,
+                                   rb_array* array) {
+  return guarded([&] {
+    const std::vector<int> numbers = mapped(rows, 2 * count, [](int32_t row) { return int{row}; });
+    std::vector<std::array<int, 2>> pairs;
+    for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) pairs.push_back({numbers[k], numbers[k + 1]});
+    need(array, "array") = toC(worldsOf(worlds).contactForces(pairs));
+  });
+}
+
+rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays, int64_t count,
+                              rb_ray_hit* hits) {
+  return guarded([&] {
+    const std::vector<int> of = mapped(numbers, count, [](int32_t number) { return int{number}; });
+    std::size_t next = 0;
+    const auto asked = mapped(rays, count, [&](const rb_ray& ray) {
+      return Worlds::WorldRay{of[next++], queryOf(ray)};
+    });
+    if (count > 0) need(hits, "hits");
+    for (const RayHit& hit : worldsOf(worlds).castRays(asked)) *hits++ = toC(hit);
+  });
+}
+
+rb_status rb_worlds_set_values(rb_worlds* worlds, const char* key, const int32_t* numbers, int64_t count,
+                               const double* values, int32_t width) {
+  return guarded([&] {
+    Worlds& all = worldsOf(worlds);
+    const ValueKey to(textOr(key, ""));
+    const std::vector<int> of = mapped(numbers, count, [](int32_t number) { return int{number}; });
+    if (width < 1) throw Error("width", "a number of at least 1", std::to_string(width));
+    if (count > 0) need(values, "values");
+    for (const int world : of)
+      to.set(all[world], {std::exchange(values, values + width), static_cast<std::size_t>(width)});
   });
 }
 

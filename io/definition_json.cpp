@@ -91,6 +91,42 @@ BodyDef parseBody(const std::string& text, const std::string& path) {
   return out;
 }
 
+void parseBodyValues(const std::string& text, BodyDef& body, const std::string& path) {
+  using Ordered = nlohmann::ordered_json;
+  const Ordered values = Ordered::parse(text, nullptr, false);
+  if (!values.is_object()) throw Error(path, "an object with values of a body", text);
+  BodyDef bare = body;
+  bare.shape = Shape{};  // geometry may be large
+  Ordered all = Ordered::parse(toJson(bare));
+  if (values.contains("mass")) all.erase("density");
+  if (values.contains("density")) all.erase("mass");
+  all.merge_patch(values);
+  BodyDef out = parseBody(all.dump(), path);
+  if (!values.contains("shape")) out.shape = body.shape;
+  body = std::move(out);
+}
+
+std::string nested(const std::string& path, std::span<const double> values) {
+  const nlohmann::json value = values.size() == 1 ? nlohmann::json(values[0]) : nlohmann::json(values);
+  std::string before, after;
+  for (std::size_t at = 0; at <= path.size();) {
+    const std::size_t end = std::min(path.find('.', at), path.size());
+    const std::string key = path.substr(at, end - at);
+    if (!key.empty() && key.find_first_not_of("0123456789") == std::string::npos) {
+      constexpr int kMostElements = 64;
+      const int index = std::min(std::atoi(key.c_str()), kMostElements);
+      before += "[";
+      for (int k = 0; k < index; ++k) before += "{},";
+      after = "]" + after;
+    } else {
+      before += "{" + nlohmann::json(key).dump() + ":";
+      after = "}" + after;
+    }
+    at = end + 1;
+  }
+  return before + value.dump() + after;
+}
+
 Shape parseShape(const std::string& text, const std::string& path) {
   Shape out;
   readDefinition(text, path, [&](const Node& node) { out = readShape(node, {}, inlineMaterial); });

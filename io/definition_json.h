@@ -3,6 +3,7 @@
 /// Error with the path of the first fault. A path begins with that of the definition.
 #include <array>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,12 @@ void readDefinition(const std::string& text, const std::string& path,
                     const std::function<void(const Node&)>& read);
 
 BodyDef parseBody(const std::string& text, const std::string& path = "body");
+/// Values of a body that replace those of `body`: {"mass": 2, "material": {"friction": 0.5}}. Without "shape"
+/// the shape stays the same object.
+void parseBodyValues(const std::string& text, BodyDef& body, const std::string& path = "body");
+/// {"a": {"b": value}} for the path "a.b", with lists for numbers: {"axes": [{}, {"max": value}]} for
+/// "axes.1.max". One value is a number, several are a list.
+std::string nested(const std::string& path, std::span<const double> values);
 /// A list of bodies.
 std::vector<BodyDef> parseBodies(const std::string& text, const std::string& path = "bodies");
 Shape parseShape(const std::string& text, const std::string& path = "shape");

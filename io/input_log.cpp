@@ -76,6 +76,10 @@ struct Arguments {
     if (c.values.device) throw Error("inputs", "arrays in host memory", "device memory");
     return {{"array", static_cast<int>(c.which)}, {"rows", rowsJson(c.rows)}, {"values", rowsJson(c.values)}};
   }
+  Ordered operator()(const inputs::ScatterJoints& c) const {
+    if (c.values.device) throw Error("inputs", "arrays in host memory", "device memory");
+    return {{"array", static_cast<int>(c.which)}, {"rows", rowsJson(c.rows)}, {"values", rowsJson(c.values)}};
+  }
   Ordered operator()(const inputs::AddJoint& c) const {
     return {{"joint", bareJoint(c.joint)},
             {"bodies", {inputJson(c.a), inputJson(c.b), inputJson(c.frameBodyA), inputJson(c.frameBodyB)}}};
@@ -83,6 +87,9 @@ struct Arguments {
   Ordered operator()(const inputs::RemoveJoint& c) const { return {{"id", inputJson(c.id)}}; }
   Ordered operator()(const inputs::SetDefinition& c) const {
     return {{"id", inputJson(c.id)}, {"joint", bareJoint(c.joint)}};
+  }
+  Ordered operator()(const inputs::SetBodyDefinition& c) const {
+    return {{"id", inputJson(c.id)}, {"body", Ordered::parse(toJson(c.body))}};
   }
   Ordered operator()(const inputs::AddDeformable& c) const {
     return {{"deformable", Ordered::parse(toJson(c.deformable))}};

@@ -81,6 +81,13 @@ class Replayer {
       world_.sortBodies();
     } else if (name == "scatter") {
       scatter(c);
+    } else if (name == "scatter_joints") {
+      const auto rows = c.at("rows").get<std::vector<std::int32_t>>();
+      const auto values = c.at("values").get<std::vector<double>>();
+      world_.scatter(static_cast<JointArray>(c.at("array").get<int>()), viewOf(rows, 1, "<i4"),
+                     viewOf(values, 1, "<f8"));
+    } else if (name == "set_body_definition") {
+      world_.setDefinition(idOf<BodyId>(c.at("id")), parseBody(c.at("body").dump()));
     } else if (name == "add_joint") {
       const std::vector<BodyId> bodies = idsOf<BodyId>(c.at("bodies"));
       world_.addJoint(jointOf(c.at("joint")), bodies.at(0), bodies.at(1), bodies.at(2), bodies.at(3));

@@ -15,6 +15,36 @@ enum class StateArray {
   Torque,           ///< world axes [N m]: 3 numbers; zeroed by each step
 };
 
+/// An array of the joints. Shape: one row per axis of each joint, one number per row. Joints are in the order
+/// of World::joints(), axes in that of JointDef::axes. Forces act on A along the axis: positive forces
+/// increase the position.
+enum class JointArray {
+  Position,        ///< [m], [rad]; angles count whole revolutions
+  Speed,           ///< [m/s], [rad/s]
+  DriveForce,      ///< of the last step [N], [N m]
+  LimitForce,      ///< the same
+  FrictionForce,   ///< the same
+  LowerLimit,      ///< [m], [rad]; may be infinite
+  UpperLimit,      ///< the same
+  TargetPosition,  ///< of the drive [m], [rad]; can be written
+  TargetSpeed,     ///< of the drive [m/s], [rad/s]; can be written
+  AppliedForce,    ///< for the next step [N], [N m]: can be written only
+};
+
+/// What sensors measure. Rows are body slots, or joints in the order of World::joints(). Body axes are those
+/// of StateArray::Orientation.
+enum class SensorArray {
+  ContactForce,  ///< by body: sum of the contacts with other bodies in the last step, world axes [N]: 3
+                 ///< numbers
+  Touch,         ///< by body: sum of the normal forces of these contacts [N]: 1 number
+  /// By body: acceleration of the center of mass in the last step, less gravity, body axes [m/s2]: 3 numbers.
+  /// An accelerometer at rest shows 9.81 upward.
+  Acceleration,
+  AngularRate,  ///< by body: angular velocity, body axes [rad/s]: 3 numbers
+  JointForce,   ///< by joint: on body B at its anchor in the last step, world axes [N]: 3 numbers
+  JointTorque,  ///< by joint: on body B about its anchor, world axes [N m]: 3 numbers
+};
+
 /// A two-dimensional strided array. The members match the entries of __cuda_array_interface__ version 3.
 struct ArrayView {
   const void* data = nullptr;        ///< first element of row 0

@@ -56,6 +56,15 @@ struct Scatter {
   const ArrayView& rows;
   const ArrayView& values;
 };
+struct SetBodyDefinition {
+  BodyId id;
+  const BodyDef& body;
+};
+struct ScatterJoints {
+  JointArray which;
+  const ArrayView& rows;
+  const ArrayView& values;
+};
 struct AddJoint {
   const JointDef& joint;
   BodyId a, b, frameBodyA, frameBodyB;
@@ -108,7 +117,8 @@ struct Restore {
 using Call = std::variant<Step, AddBodies, RemoveBodies, SetCollide, SetStates, SetTarget, ApplyForces,
                           ApplyImpulses, Wake, SortBodies, Scatter, AddJoint, RemoveJoint, SetDefinition,
                           AddDeformable, RemoveDeformable, AddAttachment, RemoveAttachment, SetVertices,
-                          ApplyVertexForce, SetParams, SetGravity, TakeSnapshot, Restore>;
+                          ApplyVertexForce, SetParams, SetGravity, TakeSnapshot, Restore, ScatterJoints,
+                          SetBodyDefinition>;
 using Sink = std::function<void(const Call&)>;
 
 }  // namespace rubble::inputs

@@ -120,6 +120,10 @@ class World {
   BodyId findBody(const std::string& name) const;  ///< throws Error if no body has that name
   BodyId bodyAt(int sceneIndex) const;             ///< body of Scene::bodies[sceneIndex]
   const BodyDef& definition(BodyId id) const;
+  /// Replaces the definition from the next step on: shape, mass, material, damping, filter, locks. Name,
+  /// motion and, for planes, the shape must be unchanged. The body keeps its pose and velocity, which those
+  /// of the definition do not change, and wakes. With another shape it loses its contacts.
+  void setDefinition(BodyId id, const BodyDef& body);
   MassProperties massOf(BodyId id) const;
   BodyState state(BodyId id) const;
   void setState(BodyId id, const BodyState& state);
@@ -160,6 +164,25 @@ class World {
   /// values.stream, so later work on that stream may overwrite it. Rows without a body are ignored. Values on
   /// the device are not checked: a step quarantines bodies that are not finite. Orientations are normalized.
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
+
+  // Joints and sensors as arrays, in the memory of the backend. A view is valid until the next call for the
+  // same array, or a call that adds or removes bodies or joints.
+  /// An axis of a joint.
+  struct Axis {
+    JointId joint;
+    int axis;  ///< index in JointDef::axes
+  };
+  /// The axes of all joints, in the order of the rows of a JointArray.
+  std::vector<Axis> axes() const;
+  ArrayView array(JointArray which) const;
+  ArrayView array(SensorArray which) const;
+  /// Writes targets of drives, or adds forces for the next step, and wakes the bodies of the joints. As
+  /// scatter() of states, with `values` of shape (n, 1). Definitions of joints do not change: setDefinition()
+  /// and the calls that edit it replace targets by those of the definition.
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values);
+  /// Sum of the contact forces of the last step between the two bodies of each pair, on the second one, world
+  /// axes [N]: 3 numbers per pair. Valid until the next call.
+  ArrayView contactForces(std::span<const std::array<BodyId, 2>> pairs) const;
 
   // Asynchronous copies of poses to the host, for rendering or learning.
   /// Starts a copy of the present poses and returns immediately. Following steps do not wait for it. At most

@@ -1,5 +1,6 @@
 #pragma once
 /// Many separate worlds in one set of tables and one step, for learning and for parameter studies.
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -18,7 +19,7 @@ struct WorldsReport : StepReport {
 /// others are and do. Ids of bodies, joints and objects are those of their world.
 class Worlds {
  public:
-  /// Backends: "cpu" and "reference". Throws Error if the options are invalid.
+  /// Throws Error if the options are invalid. All worlds of a device are in one set of tables.
   explicit Worlds(const WorldOptions& options = {});
   ~Worlds();
   Worlds(Worlds&&) noexcept;
@@ -51,12 +52,32 @@ class Worlds {
   /// State of the bodies of all worlds, one row per body. Body k of world w has the row rowsOf(w)[k], which
   /// is firstRow(w) + k unless bodies were added to a world after others had been made. Worlds of one scene
   /// have an array of shape (worlds, bodies, numbers). The data are a copy, valid until the next call for the
-  /// same array.
+  /// same array; with a device they are those of the device, valid until bodies are added or removed.
   ArrayView array(StateArray which) const;
   std::vector<int> rowsOf(int world) const;
   int firstRow(int world) const;
   /// As World::scatter, with rows of array().
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
+
+  /// Joints of all worlds, one row per axis, world after world: World::axes() of world w begins at row
+  /// firstAxis(w). As array() of states.
+  ArrayView array(JointArray which) const;
+  int firstAxis(int world) const;
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values);
+  /// What sensors measure in all worlds. Rows are those of array() of states or, for joints, world after
+  /// world.
+  ArrayView array(SensorArray which) const;
+
+  /// World::contactForces() of pairs of rows of array(): two bodies of one world each.
+  ArrayView contactForces(std::span<const std::array<int, 2>> rows) const;
+
+  /// A ray in one of the worlds.
+  struct WorldRay {
+    int world;
+    RayQuery ray;
+  };
+  /// World::castRays() for rays in many worlds. Hits name bodies of the world of the ray.
+  std::vector<RayHit> castRays(std::span<const WorldRay> rays);
 
   std::size_t memoryBytes() const;
 

@@ -13,7 +13,7 @@ axis is built in as up. Definitions have the keys of scene files.
 """
 from typing import Any
 
-from ._arrays import Array
+from ._arrays import Array, DeviceArray
 from ._bodies import Bodies, Body, ContactLoad
 from ._joints import AxisState, Joint, Joints, JointState
 from ._library import Error, json_of, lib
@@ -38,8 +38,9 @@ def info() -> dict[str, Any]:
 __version__: str = info()["version"]
 __all__ = [
     "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim", "ContactLoad",
-    "Deformable", "Deformables", "Error", "Events", "Frame", "Hit", "Joint", "JointState", "Joints", "Mass",
-    "Painter", "Params", "Quality", "Recorder", "Recording", "Rod", "Run", "Scene", "SceneInfo", "Snapshot",
+    "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Frame", "Hit", "Joint", "JointState",
+    "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording", "Rod", "Run", "Scene",
+    "SceneInfo", "Snapshot",
     "StepReport", "Surface", "Verdict", "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet",
     "compound", "cone", "cylinder", "distance_field", "height_field", "hull", "info", "mass_of", "mesh",
     "plane", "save_png", "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",

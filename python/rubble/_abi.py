@@ -13,6 +13,22 @@ VELOCITY = 2
 ANGULAR_VELOCITY = 3
 FORCE = 4
 TORQUE = 5
+JOINT_POSITION = 0
+JOINT_SPEED = 1
+JOINT_DRIVE_FORCE = 2
+JOINT_LIMIT_FORCE = 3
+JOINT_FRICTION_FORCE = 4
+JOINT_LOWER_LIMIT = 5
+JOINT_UPPER_LIMIT = 6
+JOINT_TARGET_POSITION = 7
+JOINT_TARGET_SPEED = 8
+JOINT_APPLIED_FORCE = 9
+SENSOR_CONTACT_FORCE = 0
+SENSOR_TOUCH = 1
+SENSOR_ACCELERATION = 2
+SENSOR_ANGULAR_RATE = 3
+SENSOR_JOINT_FORCE = 4
+SENSOR_JOINT_TORQUE = 5
 
 
 class Error(Structure):
@@ -305,6 +321,7 @@ FUNCTIONS = {
     "rb_world_find_body": (c_int, [c_void_p, c_char_p, c_void_p]),
     "rb_world_body_at": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_world_body_definition": (c_int, [c_void_p, BodyId, c_void_p]),
+    "rb_world_set_body": (c_int, [c_void_p, BodyId, c_char_p]),
     "rb_world_body_name": (c_int, [c_void_p, BodyId, c_void_p]),
     "rb_world_body_mass": (c_int, [c_void_p, BodyId, c_void_p]),
     "rb_world_body_state": (c_int, [c_void_p, BodyId, c_void_p]),
@@ -319,6 +336,10 @@ FUNCTIONS = {
     "rb_world_apply_forces": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_world_apply_impulses": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
     "rb_world_array": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_world_joint_array": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_world_sensor_array": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_world_axes": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
+    "rb_world_scatter_joints": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
     "rb_world_epoch": (c_int64, [c_void_p]),
     "rb_world_dlpack": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_dlpack_delete": (None, [c_void_p]),
@@ -398,6 +419,13 @@ FUNCTIONS = {
     "rb_worlds_array": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_worlds_rows": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
     "rb_worlds_scatter": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
+    "rb_worlds_joint_array": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_worlds_sensor_array": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_worlds_first_axis": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_worlds_scatter_joints": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
+    "rb_worlds_contact_forces": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
+    "rb_worlds_cast_rays": (c_int, [c_void_p, c_void_p, c_void_p, c_int64, c_void_p]),
+    "rb_worlds_set_values": (c_int, [c_void_p, c_char_p, c_void_p, c_int64, c_void_p, c_int32]),
     "rb_worlds_memory_bytes": (c_int64, [c_void_p]),
     "rb_recorder_create": (c_int, [c_void_p, c_char_p, c_char_p, c_double, c_void_p]),
     "rb_recorder_write": (c_int, [c_void_p, c_void_p]),

@@ -10,6 +10,9 @@ from . import _abi
 from ._library import check, invalid, lib
 
 NAMES = ("position", "orientation", "velocity", "angular_velocity", "force", "torque")
+JOINT_NAMES = ("position", "speed", "drive_force", "limit_force", "friction_force", "lower_limit",
+               "upper_limit", "target_position", "target_speed", "applied_force")
+SENSOR_NAMES = ("contact_force", "touch", "acceleration", "angular_rate", "joint_force", "joint_torque")
 _NONE = ctypes.c_void_p()
 _TENSOR = b"dltensor"
 
@@ -28,12 +31,41 @@ def _delete_capsule(capsule: int) -> None:
         lib.rb_dlpack_delete(_pointer_of(capsule, _TENSOR))
 
 
-def index_of(name: str) -> int:
-    """Number of a state array."""
+def index_of(name: str, names: tuple[str, ...] = NAMES) -> int:
+    """Number of an array among those of its kind."""
     try:
-        return NAMES.index(name)
+        return names.index(name)
     except ValueError:
-        raise invalid("array", "one of " + ", ".join(NAMES), repr(name)) from None
+        raise invalid("array", "one of " + ", ".join(names), repr(name)) from None
+
+
+class DeviceArray:
+    """An array in device memory, for CuPy, PyTorch, JAX, Warp and others (``__cuda_array_interface__``)."""
+
+    def __init__(self, owner: Any, view: _abi.Array) -> None:
+        self._owner, self.shape = owner, tuple(view.shape)
+        self.__cuda_array_interface__ = {
+            "data": (view.data or 0, True), "shape": self.shape, "strides": tuple(view.strides),
+            "typestr": view.typestr.decode(), "version": 3, "stream": view.stream or None}
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+
+def read_array(call: Any, owner: Any, which: int) -> Any:
+    """What call(owner, which, array) describes: a copy of host memory, or a `DeviceArray`."""
+    view = _abi.Array()
+    check(call(owner.pointer, which, ctypes.byref(view)))
+    if view.device:
+        return DeviceArray(owner, view)
+    return _copy_of(view) if view.data else np.empty(tuple(view.shape), view.typestr.decode())
+
+
+def write_rows(call: Any, pointer: Any, which: int, rows: Any, values: Any) -> None:
+    """call(pointer, which, rows, values) with both as C arrays."""
+    keep: list[Any] = []
+    row_view, value_view = _view_of(rows, np.int32, keep), _view_of(values, np.float64, keep)
+    check(call(pointer, which, ctypes.byref(row_view), ctypes.byref(value_view)))
 
 
 class Array:
@@ -182,10 +214,53 @@ class StateArrays:
         Raises:
             Error: For a wrong shape or a number that is not finite.
         """
-        which = index_of(name)
-        keep: list[Any] = []
-        row_view, value_view = _view_of(rows, np.int32, keep), _view_of(values, np.float64, keep)
-        check(lib.rb_world_scatter(self._pointer, which, ctypes.byref(row_view), ctypes.byref(value_view)))
+        write_rows(lib.rb_world_scatter, self._pointer, index_of(name), rows, values)
+
+    def axes(self) -> list[tuple[int, int]]:
+        """(joint.index, axis) of each row of the joint arrays."""
+        joints, axes, count = ctypes.c_void_p(), ctypes.c_void_p(), ctypes.c_int64()
+        check(lib.rb_world_axes(self._pointer, ctypes.byref(joints), ctypes.byref(axes), ctypes.byref(count)))
+        if not count.value:
+            return []
+        ids = ctypes.cast(joints, ctypes.POINTER(_abi.JointId))
+        numbers = ctypes.cast(axes, ctypes.POINTER(ctypes.c_int32))
+        return [(ids[k].index, numbers[k]) for k in range(count.value)]
+
+    def joint_array(self, name: str) -> Any:
+        """An array of the joints, one row per axis of each joint (see `axes`).
+
+        Args:
+            name: "position", "speed", "drive_force", "limit_force", "friction_force", "lower_limit",
+                "upper_limit", "target_position" or "target_speed", in [m], [rad], [N], [N m].
+        Returns:
+            (axes, 1): a copy, or a `DeviceArray` with the backend "cuda". Forces act on body A along the
+            axis.
+        """
+        return read_array(lib.rb_world_joint_array, self._owner, index_of(name, JOINT_NAMES))
+
+    def sensor_array(self, name: str) -> Any:
+        """What sensors measure.
+
+        Args:
+            name: By body: "contact_force" (3, world axes [N]), "touch" (1, sum of normal forces [N]),
+                "acceleration" (3, less gravity, body axes [m/s2]), "angular_rate" (3, body axes [rad/s]).
+                By joint: "joint_force" (3 [N]), "joint_torque" (3 [N m]), on body B, world axes.
+        Returns:
+            (rows, numbers): a copy, or a `DeviceArray` with the backend "cuda". Body axes are those of
+            `orientations`.
+        """
+        return read_array(lib.rb_world_sensor_array, self._owner, index_of(name, SENSOR_NAMES))
+
+    def scatter_joints(self, name: str, rows: Any, values: Any) -> None:
+        """Writes ``values[k]`` to row ``rows[k]`` of a joint array.
+
+        Args:
+            name: "target_position" [m], [rad], "target_speed" [m/s], [rad/s], or "applied_force" [N], [N m]
+                for the next step.
+            rows: (n,) integers without duplicates.
+            values: (n,) numbers.
+        """
+        write_rows(lib.rb_world_scatter_joints, self._pointer, index_of(name, JOINT_NAMES), rows, values)
 
     def begin_poses(self) -> None:
         """Starts a copy of the present poses to the host. At most two may be pending."""

@@ -137,6 +137,11 @@ class Body(NamedElement):
         check(lib.rb_world_set_target(self._world._pointer, self._id, vector(position, "position"),
                                       vector(orientation, "orientation", 4)))
 
+    def set(self, **values: Unpack[BodyFields]) -> None:
+        """Replaces values of the definition from the next step on, with the keys of scene files:
+        ``set(mass=2, material={"friction": 0.5})``. Name and motion must stay; pose and velocity do."""
+        check(lib.rb_world_set_body(self._world._pointer, self._id, encode(values)))
+
     def apply_force(self, force: Vector, at: Optional[Vector] = None) -> None:
         """Applies a force [N] for the next step, at the center of mass or at a world point [m]."""
         pointer, pushed = self._world._pointer, vector(force, "force")

@@ -2,15 +2,22 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import numpy as np
 
 from . import _abi
-from ._arrays import _copy_of, _view_of, index_of
-from ._library import Handle, check, encode, invalid, json_of, lib
+from ._arrays import JOINT_NAMES, SENSOR_NAMES, index_of, read_array, write_rows
+from ._library import Handle, check, encode, invalid, json_of, lib, matrix
+from ._queries import _set_filter
 from ._scene import Scene
 from ._world import Snapshot, StepReport, World
+
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._fields import FilterFields
 
 
 class _OneOf:
@@ -33,7 +40,7 @@ class Worlds:
     Args:
         scene: Scene of the first worlds, or none.
         count: Number of worlds of that scene.
-        backend: "cpu" or "reference" (double precision).
+        backend: "cpu", "reference" (double precision), or another of `info()`.
         threads: 0: one per core.
         events: Collect the events of each step.
         options: "preset", "timings" and parameters by name: dt [s], iterations, substeps, sleeping.
@@ -124,7 +131,7 @@ class Worlds:
         return np.frombuffer(ctypes.string_at(address, 4 * count.value), np.int32)
 
     def array(self, name: str) -> np.ndarray:
-        """A state array of the bodies of all worlds: a read-only copy.
+        """A state array of the bodies of all worlds: a copy, or a `DeviceArray` with the backend "cuda".
 
         Args:
             name: "position", "orientation", "velocity", "angular_velocity", "force" or "torque".
@@ -132,9 +139,7 @@ class Worlds:
             (rows, numbers). Body k of world w is row ``rows(w)[k]``. Worlds of one scene have
             ``array(name).reshape(len(worlds), -1, numbers)``.
         """
-        view = _abi.Array()
-        check(lib.rb_worlds_array(self._handle.pointer, index_of(name), ctypes.byref(view)))
-        return _copy_of(view)
+        return read_array(lib.rb_worlds_array, self._handle, index_of(name))
 
     def scatter(self, name: str, rows: Any, values: Any) -> None:
         """Writes ``values[k]`` to row ``rows[k]`` of an array; "force" and "torque" accumulate.
@@ -143,10 +148,82 @@ class Worlds:
             rows: (n,) integers without duplicates.
             values: (n, 3), or (n, 4) for "orientation".
         """
-        keep: list[Any] = []
-        row_view, value_view = _view_of(rows, np.int32, keep), _view_of(values, np.float64, keep)
-        check(lib.rb_worlds_scatter(self._handle.pointer, index_of(name), ctypes.byref(row_view),
-                                    ctypes.byref(value_view)))
+        write_rows(lib.rb_worlds_scatter, self._handle.pointer, index_of(name), rows, values)
+
+    def joint_array(self, name: str) -> Any:
+        """`World.joint_array` of all worlds, world after world: (rows, 1). Axis k of world w has the row
+        ``first_axis(w) + k``. Worlds of one scene have ``joint_array(name).reshape(len(worlds), -1)``."""
+        return read_array(lib.rb_worlds_joint_array, self._handle, index_of(name, JOINT_NAMES))
+
+    def sensor_array(self, name: str) -> Any:
+        """`World.sensor_array` of all worlds. Rows of bodies are those of `array`; joints are world after
+        world."""
+        return read_array(lib.rb_worlds_sensor_array, self._handle, index_of(name, SENSOR_NAMES))
+
+    def first_axis(self, world: int) -> int:
+        """Row of the first axis of a world in the joint arrays."""
+        row = ctypes.c_int32()
+        check(lib.rb_worlds_first_axis(self._handle.pointer, world, ctypes.byref(row)))
+        return row.value
+
+    def scatter_joints(self, name: str, rows: Any, values: Any) -> None:
+        """`World.scatter_joints` with rows of `joint_array` of all worlds."""
+        which = index_of(name, JOINT_NAMES)
+        write_rows(lib.rb_worlds_scatter_joints, self._handle.pointer, which, rows, values)
+
+    def contact_forces(self, pairs: Any) -> Any:
+        """Contact forces of the last step between the two bodies of each pair.
+
+        Args:
+            pairs: (n, 2) rows of `array`: two bodies of one world each.
+        Returns:
+            (n, 3) on the second body, world axes [N]: a copy, or a `DeviceArray` with the backend "cuda".
+        """
+        rows = np.ascontiguousarray(pairs, dtype=np.int32).reshape(-1, 2)
+
+        def call(pointer: Any, which: int, array: Any) -> int:
+            return lib.rb_worlds_contact_forces(pointer, rows.ctypes.data, len(rows), array)
+        return read_array(call, self._handle, 0)
+
+    def cast_rays(self, worlds: Any, origins: Any, directions: Any, max_distance: float = 1e6,
+                  **filter: Unpack[FilterFields]) -> np.ndarray:
+        """First hits of rays in many worlds: ray k from ``origins[k]`` [m] in world ``worlds[k]``.
+
+        Returns:
+            Structured array (n,): "hit", "body", "distance" [m], "position" [m], "normal".
+        """
+        start = matrix(origins, "origins")
+        numbers = np.ascontiguousarray(np.broadcast_to(worlds, len(start)), dtype=np.int32)
+        rays, hits = np.zeros(len(start), np.dtype(_abi.Ray)), np.zeros(len(start), np.dtype(_abi.RayHit))
+        rays["origin"], rays["max_distance"] = start, max_distance
+        rays["direction"] = matrix(directions, "directions", rows=len(start))
+        _set_filter(rays, **filter)
+        check(lib.rb_worlds_cast_rays(self._handle.pointer, numbers.ctypes.data, rays.ctypes.data, len(rays),
+                                      hits.ctypes.data))
+        return hits
+
+    def set_values(self, key: str, values: Any, worlds: Any = None) -> None:
+        """Sets an authored value of each world: domain randomization. A reset brings back that of its
+        snapshot.
+
+        Args:
+            key: "gravity", or "bodies.NAME.KEY" or "joints.NAME.KEY" with keys of scene files:
+                "bodies.pole.mass", "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness".
+            values: (n,) numbers, or (n, m) for values of m numbers.
+            worlds: n numbers, or a mask of shape (worlds,). None: all.
+        Raises:
+            Error: For an unknown name or key, or an invalid value. Worlds before it have their values then.
+        """
+        numbers = np.arange(len(self)) if worlds is None else np.asarray(worlds)
+        if numbers.dtype == bool:
+            numbers = np.flatnonzero(numbers)
+        numbers = np.ascontiguousarray(numbers, dtype=np.int32).reshape(-1)
+        given = np.ascontiguousarray(values, dtype=np.float64)
+        if len(given) != len(numbers):
+            raise invalid("values", f"one per world, {len(numbers)}", str(len(given)))
+        width = given.shape[1] if given.ndim > 1 else 1
+        check(lib.rb_worlds_set_values(self._handle.pointer, key.encode(), numbers.ctypes.data, len(numbers),
+                                       given.ctypes.data, width))
 
     @property
     def memory_bytes(self) -> int:

@@ -88,6 +88,14 @@ class Engine {
   virtual ArrayView array(StateArray which) = 0;
   /// As World::scatter. Shapes and types are checked already, and the memory is accessible to this engine.
   virtual void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) = 0;
+  /// Sets what the rows of the following arrays are. Bodies and joints that they name must exist.
+  virtual void setJointRows(const JointRows& rows) = 0;
+  virtual ArrayView array(JointArray which) = 0;
+  virtual ArrayView array(SensorArray which) = 0;
+  /// Contact forces on the second body of each pair of ids.
+  virtual ArrayView contactForces(std::span<const std::array<int, 2>> pairs) = 0;
+  /// As World::scatter. Checked as above.
+  virtual void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) = 0;
   /// Null: array() is host memory.
   virtual PoseCopies* poseCopies() { return nullptr; }
 

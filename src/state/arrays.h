@@ -24,6 +24,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::placeOf, "placeOf", "", Per::Body, Lifetime::Authored);
   is(&SolverData::step, "step", "", Per::World, Lifetime::Batch);
   is(&SolverData::worldOfBody, "worldOfBody", "", Per::Body, Lifetime::Batch);
+  is(&SolverData::firstBody, "firstBody", "", Per::World, Lifetime::Batch, 1);
   is(&SolverData::worldOfVertex, "worldOfVertex", "", Per::Vertex, Lifetime::Batch);
   is(&SolverData::firstVertex, "firstVertex", "", Per::World, Lifetime::Batch, 1);
   is(&SolverData::firstPlane, "firstPlane", "", Per::World, Lifetime::Batch, 1);
@@ -208,6 +209,14 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::pointPair, "pointPair", "", Per::PointPair, Lifetime::Work);
   is(&SolverData::pointContact, "pointContact", "", Per::PointPair, Lifetime::Work);
   is(&SolverData::pointIncidence, "pointIncidence", "", Per::PointIncidence, Lifetime::Work);
+}
+
+/// Is element k of the array a property of body k that a state holds?
+template <class T> bool isBodyState(const ArrayInfo<T>& array) {
+  if constexpr (std::is_same_v<T, int>)
+    if (array.member == &SolverData::idOf || array.member == &SolverData::placeOf) return false;
+  return array.per == Per::Body && array.extra == 0 &&
+         (array.life == Lifetime::Authored || array.life == Lifetime::State);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -19,6 +19,9 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   int bodies = 0;        ///< slots, including removed ones and a reserve
   int worlds = 1;        ///< separate worlds in the tables
   bool pausing = false;  ///< true: some worlds are left out of this step
+  /// True: sums have one order, whatever the number of elements. So a world of a batch has the bits that it
+  /// has in a batch of its own on a device, too.
+  bool fixedOrder = false;
   int planes = 0;
   int surfaces = 0;                    ///< materials in the shared table
   bool generalShapes = false;          ///< true: some body has a non-primitive shape
@@ -70,6 +73,7 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   // worlds, if there are several. The bodies of a world are consecutive, in the order of their ids, and so
   // are its vertices. Objects of different worlds never meet.
   Array<int> worldOfBody = nullptr;    ///< world of each body
+  Array<int> firstBody = nullptr;      ///< [worlds + 1] first body of each world
   Array<int> worldOfVertex = nullptr;  ///< world of each vertex
   Array<int> firstVertex = nullptr;    ///< [worlds + 1] first vertex of each world
   Array<int> firstPlane = nullptr;     ///< [worlds + 1] first plane of each world, in planeBody

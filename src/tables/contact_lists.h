@@ -57,14 +57,6 @@ template <class Numbers> void renumber(const Numbers& numbers, ContactRows& r) {
   numbers.body(r.a), numbers.body(r.b);
 }
 
-/// Is element k of the array a property of body k that a state holds?
-template <class T> bool isBodyState(const ArrayInfo<T>& array) {
-  if constexpr (std::is_same_v<T, int>)
-    if (array.member == &SolverData::idOf || array.member == &SolverData::placeOf) return false;
-  return array.per == Per::Body && array.extra == 0 &&
-         (array.life == Lifetime::Authored || array.life == Lifetime::State);
-}
-
 template <class T> void store(const Array<T>& to, const std::vector<T>& from) {
   if (!from.empty()) std::memcpy(static_cast<void*>(&to[0]), from.data(), sizeof(T) * from.size());
 }

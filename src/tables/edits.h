@@ -6,10 +6,11 @@
 
 namespace rubble {
 
-/// Adds, replaces or removes (kind 0) a body.
+/// Adds, replaces or removes (kind 0) a body. `keepsState`: its state remains.
 struct SetBody {
   int id;
   EngineBody body;
+  bool keepsState = false;
   int world = 0;
   int number = -1;  ///< id of the body in its world; -1: its id in the tables
 };

@@ -1,19 +1,12 @@
 /// Edits and measures of joints in host memory.
 #include <algorithm>
 
-#include "stages/joints/joints.h"
+#include "stages/joints/placed_joint.h"
 #include "tables/host_reader.h"
 
 namespace rubble::RUBBLE_CORE {
 
 namespace {
-
-/// Calls f.operator()<F>() for the joint type of that index.
-template <class Function> void withJointType(int type, Function&& f) {
-  forEachType(JointTypes{}, [&]<class F>() {
-    if (typeIndex<F>(JointTypes{}) == type) f.template operator()<F>();
-  });
-}
 
 /// Replaces infinity by kHardValue.
 Real finite(double a) {
@@ -54,82 +47,41 @@ template <class F> void editJointOf(HostTables& tables, int slot, const EngineJo
   tables.trees.relink({typeIndex<F>(JointTypes{}), slot}, before, linksOf<F>(spec));
 }
 
-Pose worldPose(const SolverData& s, int body, const Vec3d& origin) {
-  if (body == kWorldBody) return {Vec3(Vec3d{} - origin), Quat{}};
-  return {Vec3(s.position[body] - origin), s.orientation[body]};
-}
-
 /// Distance of c outside of the limits.
 double excess(const AxisSpec& spec, double c) {
   return std::max({0.0, c - static_cast<double>(spec.hi), static_cast<double>(spec.lo) - c});
 }
 
 template <class F> void measureJoint(const SolverData& s, int slot, JointState& state) {
-  const JointSpec<F>& spec = s.specsOf<F>()[slot];
-  const Joint<F>& joint = s.jointsOf<F>()[slot];
-  const Vec3d origin = jointOrigin(s, spec.b);
-  SidePose<F> a, b;
-  if constexpr (hasFrameBodies<F>()) {
-    // the world as a frame body has the pose that the step uses
-    const auto frameBody = [&](int body) {
-      return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : worldPose(s, body, origin);
-    };
-    a = {worldPose(s, spec.a, origin), frameBody(spec.frameBodyA)};
-    b = {worldPose(s, spec.b, origin), frameBody(spec.frameBodyB)};
-  } else {
-    a = worldPose(s, spec.a, origin), b = worldPose(s, spec.b, origin);
-  }
-  const auto velocity = [&](int body) {
-    return body == kWorldBody ? Vec6{{0, 0, 0}, {0, 0, 0}} : Vec6{s.velocity[body], s.angularVelocity[body]};
-  };
-  typename F::Memory memory = joint.memory;
-  memory.remember(spec.data, a, b, origin);
+  const PlacedJoint<F> placed(s, slot);
+  const JointSpec<F>& spec = placed.spec;
   double linear2 = 0, angular2 = 0;
-  rubble::Vec3 force, moment;
   forEachPart<F>([&]<int I, class P>() {
-    const auto& rows = partOf<I>(joint.parts);
+    const auto& rows = partOf<I>(placed.joint.parts);
     double& error2 = P::kUnit == RowUnit::Linear ? linear2 : angular2;
-    Real error[P::kRows];
-    Vec6 jb[P::kRows];
-    P::constraint(spec.data, memory, a, b, error);
-    P::jacobian(spec.data, memory, a, b, 1, jb);
-    const auto addLoad = [&](Real f, const Vec6& j) {
-      force -= rubble::Vec3(f * j.lin);
-      moment -= rubble::Vec3(f * j.ang);
-    };
     if constexpr (P::kAxis) {
       const AxisSpec& own = partOf<I>(spec.parts);
       JointAxisState axis;
-      double turned = 0;
-      if constexpr (requires { P::turns(spec.data, memory); }) turned = P::turns(spec.data, memory);
-      axis.position = static_cast<double>(error[0]) + turned;
-      Real speed = 0;
-      for (int side = 0; side < kSides<F>; ++side) {
-        Vec6 j[P::kRows];
-        P::jacobian(spec.data, memory, a, b, side, j);
-        speed += dot(j[0], velocity(bodyOf(spec, side)));
-      }
-      axis.speed = static_cast<double>(speed);
+      axis.position = placed.template position<P>();
+      axis.speed = static_cast<double>(placed.template speed<P>(s));
       const auto of = [](const AxisRow& row) { return row.active ? -static_cast<double>(row.lambda) : 0.0; };
       axis.limitForce = of(rows.limit), axis.driveForce = of(rows.drive),
       axis.frictionForce = of(rows.friction);
-      addLoad(axisLoad(rows), jb[0]);
       const double out = excess(own, axis.position);
       error2 += out * out;
       state.axes.push_back(axis);
-    } else {
-      const GroupSpec& own = partOf<I>(spec.parts);
-      for (int i = 0; i < P::kRows && own.mode != GroupMode::Off; ++i) {
-        if (own.mode == GroupMode::Hold) error2 += static_cast<double>(error[i] * error[i]);
-        addLoad(rows.lambda[i], jb[i]);
-      }
+    } else if (partOf<I>(spec.parts).mode == GroupMode::Hold) {
+      Real error[P::kRows];
+      P::constraint(spec.data, placed.memory, placed.a, placed.b, error);
+      for (const Real e : error) error2 += static_cast<double>(e * e);
     }
   });
-  state.broken = joint.broken;
+  state.broken = placed.joint.broken;
   state.gap = std::sqrt(linear2);
   state.angle = std::sqrt(angular2);
-  state.force = force;
-  state.torque = moment - cross(rubble::Vec3(leverOf(spec.data, b.q, 1)), force);
+  Vec3d force, torque;
+  placed.load(force, torque);
+  state.force = force, state.torque = torque;
 }
 
 }  // namespace

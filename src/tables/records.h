@@ -1,6 +1,7 @@
 #pragma once
 /// Records of bodies, joints, queries, contacts and hits that World and the tables exchange. Independent of
 /// the solver precision.
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -86,6 +87,18 @@ struct WorldLayout {
   std::vector<std::vector<int>> joints;  ///< slots by type
   std::vector<WorldShape> shapes;        ///< ascending in `base`
   std::vector<int> surfaces;             ///< indices of its materials in the tables
+};
+
+/// An axis of a joint, or a joint (axis 0).
+struct EngineAxis {
+  int type, slot, axis;
+  std::array<int, 4> bodies;  ///< ids of A, B and their frame bodies, or kWorld
+  bool operator==(const EngineAxis&) const = default;
+};
+/// Rows of joint arrays.
+struct JointRows {
+  std::vector<EngineAxis> axes, joints;
+  bool operator==(const JointRows&) const = default;
 };
 
 struct EngineSettings {

@@ -20,8 +20,9 @@ Real sizeOf(const Real* lambda, int rows) {
   return std::sqrt(sum);
 }
 
-void addContacts(const SolverData& s, std::vector<SolverState>& bodies) {
-  for (int pair = 0; pair < s.oldPairOffset[s.bodies]; ++pair) {
+/// Of pairs whose owners are the bodies [begin, end).
+void addContacts(const SolverData& s, int begin, int end, std::vector<SolverState>& bodies) {
+  for (int pair = s.oldPairOffset[begin]; pair < s.oldPairOffset[end]; ++pair) {
     const int manifold = manifoldOfOld(s, pair);
     if (manifold < 0 || s.oldPair[pair].other < 0) continue;
     const Manifold& m = s.oldManifold[manifold];
@@ -77,8 +78,9 @@ void addVertexRows(const SolverData& s, std::vector<SolverState>& bodies,
   }
 }
 
-void addRows(const SolverData& s, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) {
-  addContacts(s, bodies);
+void addRows(const SolverData& s, int begin, int end, std::vector<SolverState>& bodies,
+             std::vector<SolverState>& vertices) {
+  addContacts(s, begin, end, bodies);
   forEachType(JointTypes{}, [&]<class F>() {
     for (int i = 0; i < s.joints[typeIndex<F>(JointTypes{})]; ++i)
       if (active<F>(s, i)) addJoint<F>(s, i, bodies);
@@ -94,7 +96,7 @@ std::vector<SolverState> HostReader::bodySolverStates() const {
       vertices(static_cast<std::size_t>(s.vertices));
   for (int i = 0; i < s.bodies; ++i)
     if (s.params[i].kind == BodyKind::Dynamic) bodies[static_cast<std::size_t>(i)].color = s.color[i];
-  addRows(s, bodies, vertices);
+  addRows(s, bodiesBegin(), bodiesEnd(), bodies, vertices);
   std::vector<SolverState> out(static_cast<std::size_t>(world_ ? world_->bodies : tables_.bodyIds));
   for (std::size_t id = 0; id < out.size(); ++id)
     out[id] = bodies[static_cast<std::size_t>(placeOf(static_cast<int>(id)))];
@@ -107,7 +109,7 @@ std::vector<SolverState> HostReader::vertexSolverStates() const {
       vertices(static_cast<std::size_t>(s.vertices));
   for (int v = 0; v < s.vertices; ++v)
     if (isDynamicVertex(s, v)) vertices[static_cast<std::size_t>(v)].color = s.vertexColor[v];
-  addRows(s, bodies, vertices);
+  addRows(s, bodiesBegin(), bodiesEnd(), bodies, vertices);
   return {vertices.begin() + verticesBegin(), vertices.begin() + verticesEnd()};
 }
 

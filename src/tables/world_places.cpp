@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "solver/settings.h"
 #include "stages/joints/joints.h"
 #include "tables/contact_lists.h"
 #include "tables/table_edit.h"
@@ -47,6 +48,20 @@ void movePoints(HostTables& tables, const std::vector<int>& from, const Places& 
   storePoints(tables, contacts);
 }
 
+WorldPart worldPart(const WorldLayout& layout, int firstBody) {
+  WorldPart part;
+  part.firstBody = firstBody, part.bodies = static_cast<int>(layout.bodies.size());
+  part.firstVertex = layout.first.vertex, part.vertices = layout.count.vertex;
+  part.firstEdge = layout.first.edge, part.edges = layout.count.edge;
+  part.firstFace = layout.first.face, part.faces = layout.count.face;
+  part.firstAttachment = layout.firstAttachment, part.attachments = layout.attachments;
+  std::ranges::copy(layout.first.element, part.firstElement);
+  std::ranges::copy(layout.count.element, part.elements);
+  std::ranges::copy(layout.joints, part.joints);
+  part.shapes = layout.shapes, part.surfaces = layout.surfaces;
+  return part;
+}
+
 }  // namespace
 
 void placeBodies(HostTables& tables, const std::vector<int>& ids) {
@@ -81,6 +96,40 @@ void placeBodies(HostTables& tables, const std::vector<int>& ids) {
   });
   tables.view().ordered = inOtherOrder(s);
   tables.trees.touchAll();
+}
+
+std::vector<WorldPart> placeWorlds(HostTables& tables, std::span<const WorldLayout> worlds,
+                                   std::span<const int> spare) {
+  const int count = static_cast<int>(worlds.size());
+  tables.reserve(Per::World, count);
+  SolverData& s = tables.view();
+  std::vector<int> order;  // ids in the order of their new places
+  std::vector<WorldPart> parts;
+  for (const WorldLayout& world : worlds) {
+    s.firstBody[parts.size()] = static_cast<int>(order.size());
+    parts.push_back(worldPart(world, static_cast<int>(order.size())));
+    order.insert(order.end(), world.bodies.begin(), world.bodies.end());
+  }
+  s.firstBody[count] = static_cast<int>(order.size());
+  order.insert(order.end(), spare.begin(), spare.end());
+  placeBodies(tables, order);
+  s.worlds = count, s.fixedOrder = true;
+  for (int w = 0; w < count; ++w) {
+    const WorldPart& part = parts[static_cast<std::size_t>(w)];
+    s.firstVertex[w] = part.firstVertex;
+    s.paused[w] = 0;
+    std::fill_n(&s.worldOfVertex[0] + part.firstVertex, part.vertices, w);
+  }
+  s.firstVertex[count] = s.vertices;
+  return parts;
+}
+
+void setConstants(const SolverData& s, const EngineSettings& settings, int world, const WorldSettings& own) {
+  StepConstants& c = s.step[world];
+  c = s.step[0];
+  setGravity(c, settings.params, own.gravity);
+  c.stiffnessRescale = stiffnessRescale(settings.params, own.previousDt);
+  c.wakeAll = settings.wakeAll || own.wakeAll;
 }
 
 }  // namespace rubble::RUBBLE_CORE

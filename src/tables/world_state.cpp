@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "tables/clean_copy.h"
-#include "tables/contact_lists.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -317,7 +316,33 @@ class Derived {
   std::vector<JointLinks> links_;
 };
 
+/// Replaces the elements of a world, and appends its contacts.
+void putElements(HostTables& tables, const WorldPart& part, std::span<const std::byte> state,
+                 TraitCounts& traits, BodyContacts& bodies, PointContacts& points) {
+  SolverData& s = tables.view();
+  const Numbers numbers(s, part, false);
+  Reader reader{state, numbers};
+  StateCounts counts;
+  reader.values(&counts, 1);
+  {
+    const Derived derived(tables, part, traits);
+    visitElements(s, part, reader);
+  }
+  readContacts(s, part, reader, counts, bodies, points);
+}
+
 }  // namespace
+
+BodyContacts putElements(HostTables& tables, std::span<const WorldPart> parts,
+                         std::span<const WorldChange> changes) {
+  BodyContacts bodies;
+  PointContacts points;
+  TraitCounts traits = tables.traits();
+  for (const WorldChange& change : changes)
+    putElements(tables, parts[static_cast<std::size_t>(change.world)], change.state, traits, bodies, points);
+  tables.setTraits(traits);
+  return bodies;
+}
 
 void putWorlds(HostTables& tables, std::span<const WorldPart> parts, std::span<const WorldChange> changes) {
   SolverData& s = tables.view();
@@ -329,15 +354,7 @@ void putWorlds(HostTables& tables, std::span<const WorldPart> parts, std::span<c
     const WorldPart& part = parts[static_cast<std::size_t>(changes[k].world)];
     appendContacts(s, next, part.firstBody, bodies);
     next = part.firstBody + part.bodies;
-    const Numbers numbers(s, part, false);
-    Reader reader{changes[k].state, numbers};
-    StateCounts counts;
-    reader.values(&counts, 1);
-    {
-      const Derived derived(tables, part, traits);
-      visitElements(s, part, reader);
-    }
-    readContacts(s, part, reader, counts, bodies, changedPoints[k]);
+    putElements(tables, part, changes[k].state, traits, bodies, changedPoints[k]);
   }
   appendContacts(s, next, s.bodies, bodies);
   tables.setTraits(traits);

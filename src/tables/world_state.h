@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "tables/contact_lists.h"
 #include "tables/host_tables.h"
 #include "tables/records.h"
 
@@ -42,5 +43,10 @@ struct WorldChange {
 /// Replaces states. `parts`: all worlds, in the order of their bodies. `changes`: in ascending order of
 /// worlds. All other worlds keep their bits.
 void putWorlds(HostTables& tables, std::span<const WorldPart> parts, std::span<const WorldChange> changes);
+
+/// The same without their contacts, which it returns, those of the first change first. Manifolds and rows
+/// count from 0. The tables must have no vertices.
+BodyContacts putElements(HostTables& tables, std::span<const WorldPart> parts,
+                         std::span<const WorldChange> changes);
 
 }  // namespace rubble::RUBBLE_CORE

@@ -51,7 +51,7 @@ Batch::Batch(std::unique_ptr<Engine> engine, const Params& params, std::shared_p
       family_(std::move(family)),
       jointSlots_(static_cast<std::size_t>(engineJointTypes())),
       spareJoints_(jointSlots_.size()) {
-  if (!engine_->batch()) throw Error("backend", "cpu or reference, which can hold many worlds", "another");
+  if (!engine_->batch()) throw Error("backend", "one that can hold many worlds", "another");
   setParams(params);
 }
 
@@ -247,7 +247,7 @@ void Batch::flush() {
       layouts.push_back(
           {m.bodies, m.first, m.count, m.firstAttachment, m.attachments, m.joints, m.shapes, m.surfaces});
     worlds().setLayout(layouts, spareBodies_);
-    layoutChanged_ = false;
+    layoutChanged_ = false, rowsChanged_ = true;
   }
   for (const auto& [world, settings] : std::exchange(settings_, {})) {
     WorldSettings own = worlds().settingsOf(world);
@@ -362,53 +362,6 @@ void Batch::restore(std::span<const int> list, std::span<const WorldSnapshot* co
     worlds().setSettings(world, settings);
   }
   worlds().putWorlds(order, states);
-}
-
-void WorldSlice::step(StepReport& report) {
-  batch_->flush();
-  std::vector<char> paused(static_cast<std::size_t>(batch_->count()), 1);
-  paused[static_cast<std::size_t>(world_)] = 0;
-  batch_->worlds().stepWorlds(report, paused);
-}
-
-void WorldSlice::sortBodies() { throw Error("world", "one that is not part of a batch", "one of many"); }
-
-const EngineQueries& WorldSlice::ofWorld(const EngineQueries& asked) {
-  batch_->flush();
-  for (EngineQuery& q : asked.queries) q.world = world_;
-  return asked;
-}
-
-ArrayView WorldSlice::array(StateArray which) {
-  batch_->flush();
-  const std::vector<int>& bodies = batch_->rowsOf(world_);
-  ArrayView view = batch_->engine().array(which);
-  view.shape[0] = static_cast<std::int64_t>(bodies.size());
-  if (bodies.empty()) return view;
-  if (bodies.back() - bodies.front() + 1 != static_cast<int>(bodies.size()))
-    throw Error("array", "a world whose bodies were added before those of later worlds", "another");
-  view.data = static_cast<const std::byte*>(view.data) + bodies.front() * view.strides[0];
-  return view;
-}
-
-void WorldSlice::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
-  batch_->flush();
-  const std::vector<int>& bodies = batch_->rowsOf(world_);
-  std::vector<int> ids;
-  for (std::int64_t k = 0; k < rows.shape[0]; ++k) {
-    int id;
-    std::memcpy(&id, static_cast<const std::byte*>(rows.data) + k * rows.strides[0], sizeof id);
-    ids.push_back(id >= 0 && id < static_cast<int>(bodies.size()) ? bodies[static_cast<std::size_t>(id)]
-                                                                  : -1);
-  }
-  ArrayView inTables = rows;
-  inTables.data = ids.data(), inTables.strides[0] = sizeof(int);
-  batch_->engine().scatter(which, inTables, values);
-}
-
-void WorldSlice::restore(const EngineSnapshot& snapshot) {
-  const WorldSnapshot* const own = &batch_->own(snapshot);
-  batch_->restore({&world_, 1}, {&own, 1});
 }
 
 }  // namespace rubble

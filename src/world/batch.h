@@ -59,6 +59,14 @@ class Batch {
   std::shared_ptr<const WorldSnapshot> snapshot(int world);
   /// Throws Error unless a world of this batch can be restored from it.
   const WorldSnapshot& own(const EngineSnapshot& snapshot) const;
+  void setJointRows(int world, const JointRows& rows);
+  /// Gives the rows of all worlds to the engine, if they have changed. Call before joint arrays.
+  void sendJointRows();
+  /// First row of a world in the arrays of axes and of joints, valid after sendJointRows(). `world` may be
+  /// count().
+  int firstAxis(int world) const { return firstAxis_[static_cast<std::size_t>(world)]; }
+  int firstJoint(int world) const { return firstJoint_[static_cast<std::size_t>(world)]; }
+
   /// `snapshots`: one for each of the worlds, which are distinct.
   void restore(std::span<const int> worlds, std::span<const WorldSnapshot* const> snapshots);
 
@@ -71,6 +79,7 @@ class Batch {
     std::vector<int> surfaces;       ///< the same
     SoftRange first, count;          ///< of its deformable objects in the tables
     int firstAttachment = 0, attachments = 0;
+    JointRows rows;
   };
   struct Translate;
   int surfaceOf(const Material& material);
@@ -89,7 +98,9 @@ class Batch {
   std::vector<Material> surfaces_;
   std::map<std::shared_ptr<const CookedShape>, int> shapes_;  ///< offset of their indices
   int shapeIndices_ = 0;
-  std::map<int, EngineSettings> settings_;  ///< of worlds, not yet given to the engine
+  std::map<int, EngineSettings> settings_;   ///< of worlds, not yet given to the engine
+  std::vector<int> firstAxis_, firstJoint_;  ///< [worlds + 1]
+  bool rowsChanged_ = true;
   bool layoutChanged_ = false, softsChanged_ = false, planesChanged_ = false;
 };
 
@@ -119,6 +130,11 @@ class WorldSlice final : public Engine {
   }
   ArrayView array(StateArray which) override;
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override;
+  void setJointRows(const JointRows& rows) override { batch_->setJointRows(world_, rows); }
+  ArrayView array(JointArray which) override;
+  ArrayView array(SensorArray which) override;
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override;
+  ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override;
   bool reserve(const std::string& kind, int count) override { return batch_->engine().reserve(kind, count); }
   std::size_t memoryBytes() const override { return batch_->engine().memoryBytes(); }
   /// Of everything that the world has.
@@ -127,6 +143,8 @@ class WorldSlice final : public Engine {
   void restore(const EngineSnapshot& snapshot) override;
 
  private:
+  ArrayView bodyRows(ArrayView all) const;
+  void scatter(const std::vector<int>& ids, auto which, const ArrayView& rows, const ArrayView& values);
   int row(int id) const { return batch_->rowsOf(world_)[static_cast<std::size_t>(id)]; }
   const EngineQueries& ofWorld(const EngineQueries& asked);
 

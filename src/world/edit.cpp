@@ -195,6 +195,43 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
   ++epoch;
 }
 
+void World::Impl::redefine(BodyId id, BodyDef def) {
+  requireAlive(id);
+  validate(def, "body");
+  const BodyRecord& before = registry.bodies[id];
+  const bool keepsShape = sameShape(def.shape, before.def.shape);
+  if (keepsShape) def.shape = before.def.shape;
+  const auto requireSame = [](bool same, const char* what) {
+    if (!same) throw Error(std::string("body.") + what, "that of the body", "another");
+  };
+  requireSame(def.name == before.def.name, "name");
+  requireSame(def.motion == before.def.motion, "motion");
+  const ShapeType type = def.shape.type, old = before.def.shape.type;
+  requireSame((type == ShapeType::Plane) == (old == ShapeType::Plane), "shape");
+  std::vector<CookedEntry> fresh;
+  ReadyBody ready{cookShape(def.shape, "body.shape", fresh), {}};
+  ready.mass = massOfDefinition(def, ready.cooked->unit, "body");
+  const ShapeFrame frame{ready.cooked->unit.center, ready.cooked->unit.axes};
+  const bool moves = !(frame.center == before.frame.center && frame.axes == before.frame.axes);
+  TableAdditions tables(registry);
+  const int base = tables.placeShape(def.shape, ready.cooked), surface = tables.surfaceOf(def.material);
+  std::vector<Edit> edits = tables.edits();
+  addWake(edits, id);
+  edits.push_back(SetBody{id.index, engineBody(def, ready, base, surface), true});
+  if (moves) edits.push_back(SetBodyState{id.index, frame.toEngine(before.frame.toAuthor(bodyState(id)))});
+  if (!keepsShape) edits.push_back(ForgetContacts{{id.index}});
+  BodyRecord record{def, ready.mass, frame, ready.cooked->radius, before.joints};
+  tables.prepare(registry);
+  registry.bodies.prepare(0);
+  engine->apply(edits);
+  tables.commit(registry);
+  registry.bodies.edit(id) = std::move(record);
+  if (!moves) return;
+  // anchors are relative to the center of mass
+  const std::vector<JointId> joints = registry.bodies[id].joints;
+  for (const JointId joint : joints) replaceJoint(joint, JointDef(registry.joints[joint].def));
+}
+
 void World::Impl::configure(bool wakesAll) {
   EngineSettings settings;
   settings.params = params;

@@ -52,6 +52,7 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b, BodyId fr
   else
     ++registry.jointSlots[type];
   registry.joints.add(std::move(record));
+  jointRowsChanged = true;
   listJoint(id, registry.joints[id], true);
   return id;
 }
@@ -87,6 +88,7 @@ void World::Impl::dropJoint(JointId id) {
   if (!joint.def.name.empty()) registry.jointNames.erase(joint.def.name);
   listJoint(id, joint, false);
   registry.joints.remove(id);
+  jointRowsChanged = true;
 }
 
 void World::Impl::listJoint(JointId id, const JointRecord& joint, bool listed) {
@@ -152,6 +154,11 @@ JointBodies World::Impl::jointBodies(const JointRecord& joint) const {
 }
 
 void World::Impl::redefine(JointId id, const JointDef& def) {
+  replaceJoint(id, def);
+  pass(inputs::SetDefinition{id, def});
+}
+
+void World::Impl::replaceJoint(JointId id, const JointDef& def) {
   requireAlive(id);
   const JointRecord& record = registry.joints[id];
   if (def.type != record.def.type)
@@ -182,7 +189,6 @@ void World::Impl::redefine(JointId id, const JointDef& def) {
   JointRecord& changed = registry.joints.edit(id);
   changed.def = std::move(own);
   changed.engine = std::move(joint);
-  pass(inputs::SetDefinition{id, def});
 }
 
 void World::Impl::findBroken(std::vector<JointId>& broken) {

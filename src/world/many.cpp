@@ -50,6 +50,7 @@ class HostPoseCopies final : public PoseCopies {
     std::vector<std::byte> bytes;
     ArrayView view;
     void take(const ArrayView& from) {
+      if (from.device) throw Error("world", "one that is not part of a batch on a device", "one of many");
       bytes.resize(static_cast<std::size_t>(from.shape[0] * from.strides[0]));
       if (!bytes.empty()) std::memcpy(bytes.data(), from.data, bytes.size());
       view = from;
@@ -154,10 +155,11 @@ ArrayView World::array(StateArray which) const {
 
 std::int64_t World::epoch() const { return impl_->epoch; }
 
-void checkScatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
-  checks::enumeration(which, StateArray::Torque, "array");
+namespace {
+
+/// Throws Error unless `values` can be written to rows of `numbers` numbers.
+void checkRows(int numbers, const ArrayView& rows, const ArrayView& values) {
   const std::string_view rowType = rows.typestr, type = values.typestr;
-  const int numbers = numbersOf(which);
   expect(rowType == "<i4", "rows.typestr", "<i4", rows.typestr);
   expect(rows.shape[0] >= 0 && rows.shape[1] == 1, "rows.shape", "(n, 1)", shapeText(rows));
   expect(type == "<f4" || type == "<f8", "values.typestr", "<f4 or <f8", values.typestr);
@@ -167,15 +169,32 @@ void checkScatter(StateArray which, const ArrayView& rows, const ArrayView& valu
   expect(rows.data && values.data, "rows, values", "memory", "none");
   expect(rows.device == values.device, "rows, values", "both on the host or both on the device",
          "one of each");
-  if (!values.device)
-    for (std::int64_t k = 0; k < values.shape[0]; ++k) {
-      const Path list("values"), path = list[static_cast<std::size_t>(k)];
-      for (int j = 0; j < numbers; ++j) checks::finite(numberAt(values, k, j), path);
-      if (which == StateArray::Orientation)
-        checks::rotation({numberAt(values, k, 0),
-                          {numberAt(values, k, 1), numberAt(values, k, 2), numberAt(values, k, 3)}},
-                         path);
-    }
+  if (values.device) return;
+  for (std::int64_t k = 0; k < values.shape[0]; ++k) {
+    const Path list("values");
+    for (int j = 0; j < numbers; ++j)
+      checks::finite(numberAt(values, k, j), list[static_cast<std::size_t>(k)]);
+  }
+}
+
+}  // namespace
+
+void checkScatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
+  checks::enumeration(which, StateArray::Torque, "array");
+  checkRows(numbersOf(which), rows, values);
+  if (which != StateArray::Orientation || values.device) return;
+  for (std::int64_t k = 0; k < values.shape[0]; ++k) {
+    const Path list("values");
+    checks::rotation(
+        {numberAt(values, k, 0), {numberAt(values, k, 1), numberAt(values, k, 2), numberAt(values, k, 3)}},
+        list[static_cast<std::size_t>(k)]);
+  }
+}
+
+void checkScatter(JointArray which, const ArrayView& rows, const ArrayView& values) {
+  checks::enumeration(which, JointArray::AppliedForce, "array");
+  expect(which >= JointArray::TargetPosition, "array", "an array that can be written", "another");
+  checkRows(1, rows, values);
 }
 
 void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {

@@ -28,15 +28,6 @@ EngineQuery filtered(const QueryFilter& filter, const Registry& registry) {
   return q;
 }
 
-/// Throws the Error of an invalid ray.
-void checkRay(const RayQuery& ray, std::size_t i) {
-  checks::finite(ray.origin, at("rays", i, "origin"));
-  checks::finite(ray.direction, at("rays", i, "direction"));
-  if (!(length(ray.direction) > 0))
-    throw Error(at("rays", i, "direction"), "a direction", "a vector of length 0");
-  checks::positive(ray.maxDistance, at("rays", i, "maxDistance"));
-}
-
 /// f(i) for all i < n, in parallel if that pays.
 template <class F> void forEachIndex(std::size_t n, F&& f) {
   constexpr std::size_t kGrain = 2048;
@@ -94,6 +85,26 @@ class QueryShapeList {
 
 }  // namespace
 
+void checkRay(const RayQuery& ray, std::size_t i) {
+  checks::finite(ray.origin, at("rays", i, "origin"));
+  checks::finite(ray.direction, at("rays", i, "direction"));
+  if (!(length(ray.direction) > 0))
+    throw Error(at("rays", i, "direction"), "a direction", "a vector of length 0");
+  checks::positive(ray.maxDistance, at("rays", i, "maxDistance"));
+}
+
+EngineQuery queryOf(const RayQuery& ray, const Registry& registry) {
+  EngineQuery q = filtered(ray.filter, registry);
+  q.position = ray.origin;
+  q.move = ray.direction * (ray.maxDistance / length(ray.direction));
+  return q;
+}
+
+RayHit hitOf(const EngineHit& hit, const RayQuery& ray, const Registry& registry) {
+  if (hit.body < 0) return {};
+  return {true, *registry.bodies.at(hit.body), hit.fraction * ray.maxDistance, hit.position, hit.normal};
+}
+
 std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
   return withMemory("castRays", [&] {
     std::vector<RayHit> hits(rays.size());
@@ -116,19 +127,12 @@ void World::castRays(std::span<const RayQuery> rays, std::span<RayHit> hits) {
     forEachIndex(rays.size(), [&](std::size_t i) {
       const RayQuery& ray = rays[i];
       if (!isValid(ray)) valid = false;
-      queries[i] = filtered(ray.filter, impl_->registry);
-      queries[i].position = ray.origin;
-      queries[i].move = ray.direction * (ray.maxDistance / length(ray.direction));
+      queries[i] = queryOf(ray, impl_->registry);
     });
     if (!valid)
       for (std::size_t i = 0; i < rays.size(); ++i) checkRay(rays[i], i);
     const std::span<const EngineHit> found = impl_->engine->hits({QueryKind::Ray, queries, {}});
-    forEachIndex(rays.size(), [&](std::size_t i) {
-      const EngineHit& hit = found[i];
-      hits[i] = hit.body < 0 ? RayHit{}
-                             : RayHit{true, *impl_->registry.bodies.at(hit.body),
-                                      hit.fraction * rays[i].maxDistance, hit.position, hit.normal};
-    });
+    forEachIndex(rays.size(), [&](std::size_t i) { hits[i] = hitOf(found[i], rays[i], impl_->registry); });
   });
 }
 

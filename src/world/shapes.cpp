@@ -23,6 +23,27 @@ bool sameMaterial(const Material& a, const Material& b) {
          a.torsionalFriction == b.torsionalFriction && a.surfaceVelocity == b.surfaceVelocity;
 }
 
+bool sameShape(const Shape& a, const Shape& b) {
+  if (a.type != b.type || a.halfExtents != b.halfExtents || a.radius != b.radius ||
+      a.halfLength != b.halfLength || a.rounding != b.rounding)
+    return false;
+  if (a.geometry == b.geometry) return true;
+  if (!a.geometry || !b.geometry) return false;
+  const ShapeGeometry &g = *a.geometry, &h = *b.geometry;
+  const auto samePart = [](const ShapePartDef& p, const ShapePartDef& q) {
+    return sameShape(p.shape, q.shape) && p.position == q.position && p.orientation == q.orientation &&
+           p.density == q.density && p.material.has_value() == q.material.has_value() &&
+           (!p.material || sameMaterial(*p.material, *q.material));
+  };
+  const auto sameMass = [](const MassProperties& m, const MassProperties& n) {
+    return m.mass == n.mass && m.inertia == n.inertia && m.center == n.center && m.axes == n.axes;
+  };
+  return g.points == h.points && g.triangles == h.triangles && g.twoSided == h.twoSided &&
+         g.counts == h.counts && g.origin == h.origin && g.spacing == h.spacing && g.samples == h.samples &&
+         g.mass.has_value() == h.mass.has_value() && (!g.mass || sameMass(*g.mass, *h.mass)) &&
+         std::ranges::equal(g.parts, h.parts, samePart);
+}
+
 const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape) {
   const auto found = std::find_if(entries.begin(), entries.end(), [&](const CookedEntry& e) {
     return e.key.geometry == shape.geometry && e.key.type == shape.type && e.key.rounding == shape.rounding;

@@ -185,6 +185,10 @@ const BodyDef& World::definition(BodyId id) const {
   impl_->requireAlive(id);
   return impl_->registry.bodies[id].def;
 }
+void World::setDefinition(BodyId id, const BodyDef& body) {
+  withMemory("setDefinition", [&] { impl_->redefine(id, body); });
+  impl_->pass(inputs::SetBodyDefinition{id, body});
+}
 MassProperties World::massOf(BodyId id) const {
   impl_->requireAlive(id);
   return impl_->registry.bodies[id].mass;
@@ -289,6 +293,7 @@ void World::restore(const Snapshot& snapshot) {
 
 void World::Impl::restoreRecords(Registry&& from, const Params& own) {
   registry = std::move(from);
+  jointRowsChanged = true;
   if (!inBatch) params = own;
   ++epoch;
   configure(false);

@@ -97,11 +97,14 @@ inline constexpr const char* kOwnName = "a name that no other body has";
 
 /// Throws Error unless World::scatter can take these arrays.
 void checkScatter(StateArray which, const ArrayView& rows, const ArrayView& values);
+void checkScatter(JointArray which, const ArrayView& rows, const ArrayView& values);
 
 /// Null if no shape has the same geometry.
 const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape);
 
 bool sameMaterial(const Material& a, const Material& b);
+/// Also where the geometry is an equal copy.
+bool sameShape(const Shape& a, const Shape& b);
 
 /// Throws Error if no such engine can be made.
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options);
@@ -195,6 +198,12 @@ struct Registry {
   double time = 0;
 };
 
+/// Throws the Error of an invalid ray, number i of a list.
+void checkRay(const RayQuery& ray, std::size_t i);
+/// A valid ray as a query, and its hit.
+EngineQuery queryOf(const RayQuery& ray, const Registry& registry);
+RayHit hitOf(const EngineHit& hit, const RayQuery& ray, const Registry& registry);
+
 /// Pending copies of poses, oldest first. Two buffers alternate.
 struct PoseRing {
   struct Frame {
@@ -216,7 +225,8 @@ struct World::Impl {
   std::int64_t epoch = 0;
   PoseRing poses;
   bool softChanged = false;
-  bool sortSoon = false;  ///< the next step sorts the bodies
+  bool jointRowsChanged = true;  ///< since sendJointRows()
+  bool sortSoon = false;         ///< the next step sorts the bodies
   bool wantsEvents = false;
   LogSink log;
   inputs::Sink inputs;
@@ -247,6 +257,12 @@ struct World::Impl {
   JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB);
   /// Redefines a joint, with the same type.
   void redefine(JointId id, const JointDef& def);
+  /// The same without a word to the sink of inputs.
+  void replaceJoint(JointId id, const JointDef& def);
+  /// Redefines a body, which keeps its state.
+  void redefine(BodyId id, BodyDef def);
+  /// Tells the engine what the rows of joint arrays are, if that has changed.
+  void sendJointRows();
   /// Redefines a joint whose axis is changed by edit(JointAxis&).
   template <class Edit> void editAxis(JointId id, int axis, Edit&& edit) {
     requireAlive(id);

@@ -156,10 +156,44 @@ static void aRegistrySceneIsJudged(void) {
   rb_run_destroy(run);
 }
 
+static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
+  rb_scene* scene = NULL;
+  rb_worlds* worlds = NULL;
+  rb_array array, rows, values;
+  rb_ray ray;
+  rb_ray_hit hit;
+  const int32_t row = 1, second = 1;
+  const double force = 5, mass = 3;
+  int32_t first = 0;
+  CHECK(rb_scene_build("cart-pole", "{\"lean\": 0.1}", &scene) == RB_OK);
+  CHECK(rb_worlds_create("{\"threads\": 1}", &worlds) == RB_OK);
+  CHECK(rb_worlds_add(worlds, scene, 3, NULL) == RB_OK);
+  CHECK(rb_worlds_first_axis(worlds, 2, &first) == RB_OK && first == 4);
+  CHECK(rb_worlds_joint_array(worlds, RB_JOINT_UPPER_LIMIT, &array) == RB_OK);
+  CHECK(array.shape[0] == 6 && array.shape[1] == 1 && fabs(*(const float*)array.data - 2.4) < 1e-6);
+  CHECK(rb_worlds_joint_array(worlds, RB_JOINT_APPLIED_FORCE, &array) == RB_INVALID);
+  CHECK(rb_worlds_sensor_array(worlds, RB_SENSOR_JOINT_FORCE, &array) == RB_OK && array.shape[0] == 6);
+  memset(&rows, 0, sizeof rows), memset(&values, 0, sizeof values);
+  rows.data = &row, rows.shape[0] = rows.shape[1] = 1, rows.typestr = "<i4";
+  rows.strides[0] = rows.strides[1] = sizeof row;
+  values = rows;
+  values.data = &force, values.typestr = "<f8", values.strides[0] = values.strides[1] = sizeof force;
+  CHECK(rb_worlds_scatter_joints(worlds, RB_JOINT_APPLIED_FORCE, &rows, &values) == RB_OK);
+  CHECK(rb_worlds_set_values(worlds, "bodies.pole.mass", &second, 1, &mass, 1) == RB_OK);
+  CHECK(rb_worlds_set_values(worlds, "bodies.pole.weight", &second, 1, &mass, 1) == RB_INVALID);
+  memset(&ray, 0, sizeof ray);
+  ray.origin[2] = -5, ray.direction[2] = 1, ray.max_distance = 50;
+  ray.filter.layers = ray.filter.mask = 0xffffffffu, ray.filter.ignore.index = -1;
+  CHECK(rb_worlds_cast_rays(worlds, &second, &ray, 1, &hit) == RB_OK && hit.hit == 1);
+  rb_worlds_destroy(worlds);
+  rb_scene_destroy(scene);
+}
+
 int main(void) {
   CHECK(rb_api_version() == RB_API_VERSION);
   anInvalidBodyIsNamedAndLeavesTheSceneAsItWas();
   aWorldOfManyStaysWhereItIsLeftOut();
+  arraysOfJointsAndSensorsHaveRowsOfAllWorlds();
   noCallDiesOfANullPointer();
   aCrateFallsAndRests();
   aSnapshotContinuesBitForBit();

@@ -1,27 +1,8 @@
 #pragma once
 /// Small scenes for the tests of the CUDA backend, and comparisons of two worlds.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <string>
-
-#include <rubble/info.h>
-#include <rubble/rubble.h>
+#include "tests/cuda/cuda_test.h"
 
 namespace rubble::test {
-
-inline bool hasCuda() {
-  const std::vector<std::string> names = backends();
-  return std::find(names.begin(), names.end(), "cuda") != names.end();
-}
-
-/// These tests need a device and are skipped without one.
-class CudaTest : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!hasCuda()) GTEST_SKIP() << "CUDA is " << cudaStatus();
-  }
-};
 
 inline WorldOptions optionsFor(const std::string& backend) {
   WorldOptions options;

@@ -43,6 +43,9 @@ void changeInEveryWay(World& world) {
   const JointId drag = world.addDragJoint(ids[8], {0, 0, 1}, 50);
   step();
   world.setLimits(joint, 0, -.2, .7);
+  BodyDef lighter = world.definition(kinematic), slick = world.definition(ids[6]);
+  lighter.filter.layers = 6, slick.mass = 0.7, slick.material.dynamicFriction = 0.1;
+  world.setDefinition(kinematic, lighter), world.setDefinition(ids[6], slick);
   world.setDragTarget(drag, {1, 1, 2});
   world.removeJoint(world.joints().front());
   const DeformableId cable = world.addDeformable(straightCable({6, 0, 2}, {7, 0, 2}, 4));
@@ -68,6 +71,10 @@ void changeInEveryWay(World& world) {
   values.data = velocity, values.shape[0] = 1, values.shape[1] = 3;
   values.strides[0] = 12, values.strides[1] = 4, values.typestr = "<f4";
   world.scatter(StateArray::Velocity, rows, values);
+  const std::int32_t axis[] = {0};
+  rows.data = axis, values.shape[1] = 1;
+  world.scatter(JointArray::AppliedForce, rows, values);
+  world.scatter(JointArray::TargetSpeed, rows, values);
   step();
   world.removeDeformable(cable);
   step();

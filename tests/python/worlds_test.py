@@ -50,6 +50,53 @@ class ManyWorlds(Case):
         worlds.step()
         self.assertNear(worlds.array("velocity")[rows][:, 0], range(3), 1e-6)
 
+    def test_joints_and_sensors_have_rows_of_all_worlds(self):
+        scene = rubble.Scene.from_registry("cart-pole", lean=0.1)
+        worlds = rubble.Worlds(scene, 4, threads=1, dt=0.02, iterations=4)
+        self.assertEqual(worlds[0].axes(), [(0, 0), (1, 0)])
+        self.assertEqual(worlds.first_axis(2), 4)
+        worlds.scatter_joints("applied_force", [worlds.first_axis(2)], [5])
+        worlds.step(10)
+        position, speed = (worlds.joint_array(name).reshape(4, 2) for name in ("position", "speed"))
+        state = worlds[2].joints["rail"].state.axes[0]
+        self.assertNear((position[2, 0], speed[2, 0]), (state.position, state.speed), 1e-6)
+        self.assertGreater(position[2, 0], position[1, 0] + 0.0005)
+        self.assertNear(position[0], position[3])
+        self.assertNear(worlds.joint_array("lower_limit")[0], [-2.4], 1e-6)
+        self.assertNear(worlds[2].joint_array("position")[:, 0], position[2])
+        self.assertEqual(worlds.sensor_array("joint_force").shape, (8, 3))
+        self.assertInvalid("array", lambda: worlds.joint_array("applied_force"))
+
+    def test_touch_is_the_weight_of_what_rests(self):
+        worlds = crates(3)
+        worlds.step(200)
+        touch = worlds.sensor_array("touch").reshape(3, 2)
+        self.assertNear(touch, np.full((3, 2), 2 * 9.81), 0.05)
+        forces = worlds.sensor_array("contact_force").reshape(3, 2, 3)
+        self.assertNear(forces[:, 1], [(0, 0, 2 * 9.81)] * 3, 0.05)
+        pairs = worlds.contact_forces([worlds.rows(w)[:2] for w in (2, 0)])
+        self.assertNear(pairs, [(0, 0, 2 * 9.81)] * 2, 0.05)
+        self.assertNear(worlds.contact_forces([worlds.rows(1)[[1, 0]]]), -pairs[:1], 0.05)
+        self.assertNear(worlds.sensor_array("acceleration").reshape(3, 2, 3)[:, 1, 2], [9.81] * 3, 0.01)
+
+    def test_rays_are_cast_in_the_world_of_each(self):
+        worlds = crates(3)
+        worlds[1].bodies["crate"].position = (5, 0, 2)
+        hits = worlds.cast_rays([0, 1, 1], [(0, 0, 9), (0, 0, 9), (5, 0, 9)], [(0, 0, -1)] * 3)
+        self.assertNear(hits["distance"], [6.5, 9, 6.5], 1e-6)
+        self.assertInvalid("world", lambda: worlds.cast_rays([3], [(0, 0, 9)], [(0, 0, -1)]))
+
+    def test_values_of_bodies_change_in_some_worlds(self):
+        worlds = crates(3)
+        worlds.set_values("bodies.crate.mass", [4], worlds=[1])
+        worlds.set_values("bodies.crate.shape", [], worlds=[])
+        self.assertEqual([worlds[w].bodies["crate"].mass for w in range(3)], [2, 4, 2])
+        worlds[0].bodies["crate"].set(gravity_scale=0)
+        worlds.step(10)
+        heights = worlds.array("position").reshape(3, 2, 3)[:, 1, 2]
+        self.assertEqual(heights[0], 2)
+        self.assertEqual(heights[1], heights[2])
+
     def test_worlds_differ_and_outlive_their_batch(self):
         worlds = crates(1)
         self.assertEqual(worlds.add(rubble.Scene(gravity=(0, 0, 0)), 2), 1)

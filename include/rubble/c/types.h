@@ -74,6 +74,31 @@ typedef enum rb_state_array {
   RB_TORQUE = 5             ///< world axes [N m]: 3 numbers; zeroed by each step
 } rb_state_array;
 
+/// Arrays of joints, one row per axis of each joint, one number per row. Joints in the order of
+/// rb_world_joints(). Forces act on A along the axis.
+typedef enum rb_joint_array {
+  RB_JOINT_POSITION = 0,         ///< [m], [rad]; angles count whole revolutions
+  RB_JOINT_SPEED = 1,            ///< [m/s], [rad/s]
+  RB_JOINT_DRIVE_FORCE = 2,      ///< of the last step [N], [N m]
+  RB_JOINT_LIMIT_FORCE = 3,      ///< the same
+  RB_JOINT_FRICTION_FORCE = 4,   ///< the same
+  RB_JOINT_LOWER_LIMIT = 5,      ///< [m], [rad]; may be infinite
+  RB_JOINT_UPPER_LIMIT = 6,      ///< the same
+  RB_JOINT_TARGET_POSITION = 7,  ///< of the drive [m], [rad]; can be written
+  RB_JOINT_TARGET_SPEED = 8,     ///< of the drive [m/s], [rad/s]; can be written
+  RB_JOINT_APPLIED_FORCE = 9     ///< for the next step [N], [N m]; can be written only
+} rb_joint_array;
+
+/// What sensors measure, by body or by joint. Body axes are those of RB_ORIENTATION.
+typedef enum rb_sensor_array {
+  RB_SENSOR_CONTACT_FORCE = 0,  ///< by body: contacts with other bodies, world axes [N]: 3 numbers
+  RB_SENSOR_TOUCH = 1,          ///< by body: sum of the normal forces [N]: 1 number
+  RB_SENSOR_ACCELERATION = 2,   ///< by body: less gravity, body axes [m/s2]: 3 numbers
+  RB_SENSOR_ANGULAR_RATE = 3,   ///< by body: body axes [rad/s]: 3 numbers
+  RB_SENSOR_JOINT_FORCE = 4,    ///< by joint: on body B at its anchor, world axes [N]: 3 numbers
+  RB_SENSOR_JOINT_TORQUE = 5    ///< by joint: on body B about its anchor, world axes [N m]: 3 numbers
+} rb_sensor_array;
+
 /// A two-dimensional strided array. The members match the entries of __cuda_array_interface__ version 3.
 typedef struct rb_array {
   const void* data;

@@ -42,6 +42,9 @@ RB_API rb_status rb_world_find_body(const rb_world* world, const char* name, rb_
 /// Body of the scene by its index there.
 RB_API rb_status rb_world_body_at(const rb_world* world, int32_t index, rb_body_id* body);
 RB_API rb_status rb_world_body_definition(const rb_world* world, rb_body_id body, const char** json);
+/// Replaces values of the definition from the next step on, as keys of scene files:
+/// {"mass": 2, "material": {"friction": 0.5}}. Pose and velocity stay.
+RB_API rb_status rb_world_set_body(rb_world* world, rb_body_id body, const char* json);
 RB_API rb_status rb_world_body_name(const rb_world* world, rb_body_id body, const char** name);
 RB_API rb_status rb_world_body_mass(const rb_world* world, rb_body_id body, rb_mass* mass);
 RB_API rb_status rb_world_body_state(const rb_world* world, rb_body_id body, rb_body_state* state);
@@ -72,6 +75,15 @@ RB_API rb_status rb_world_apply_impulses(rb_world* world, const rb_body_id* bodi
 /// A read-only view of a state array (rb_state_array), with all edits applied. It is valid while
 /// rb_world_epoch() is unchanged.
 RB_API rb_status rb_world_array(const rb_world* world, int32_t which, rb_array* array);
+/// An rb_joint_array or rb_sensor_array. Valid until the next call for the same array.
+RB_API rb_status rb_world_joint_array(const rb_world* world, int32_t which, rb_array* array);
+RB_API rb_status rb_world_sensor_array(const rb_world* world, int32_t which, rb_array* array);
+/// Joint and axis of each row of the joint arrays. Either list may be null.
+RB_API rb_status rb_world_axes(rb_world* world, const rb_joint_id** joints, const int32_t** axes,
+                               int64_t* count);
+/// Writes values (n, 1) to rows of a joint array that can be written.
+RB_API rb_status rb_world_scatter_joints(rb_world* world, int32_t which, const rb_array* rows,
+                                         const rb_array* values);
 RB_API int64_t rb_world_epoch(const rb_world* world);
 /// The same array as a DLManagedTensor (DLPack 0.8). It keeps the world alive until its deleter is called.
 RB_API rb_status rb_world_dlpack(rb_world* world, int32_t which, void** tensor);

@@ -7,7 +7,7 @@
 extern "C" {
 #endif
 
-/// An empty batch. `options` as for rb_world_create(); backends "cpu" and "reference".
+/// An empty batch. `options` as for rb_world_create().
 RB_API rb_status rb_worlds_create(const char* options, rb_worlds** worlds);
 /// Handles of single worlds stay valid until they are destroyed.
 RB_API void rb_worlds_destroy(rb_worlds* worlds);
@@ -35,6 +35,25 @@ RB_API rb_status rb_worlds_rows(rb_worlds* worlds, int32_t number, const int32_t
 /// As rb_world_scatter(), with rows of rb_worlds_array().
 RB_API rb_status rb_worlds_scatter(rb_worlds* worlds, int32_t which, const rb_array* rows,
                                    const rb_array* values);
+/// As rb_world_joint_array() and rb_world_sensor_array(), world after world.
+RB_API rb_status rb_worlds_joint_array(const rb_worlds* worlds, int32_t which, rb_array* array);
+RB_API rb_status rb_worlds_sensor_array(const rb_worlds* worlds, int32_t which, rb_array* array);
+/// Row of the first axis of a world in the joint arrays.
+RB_API rb_status rb_worlds_first_axis(const rb_worlds* worlds, int32_t number, int32_t* row);
+RB_API rb_status rb_worlds_scatter_joints(rb_worlds* worlds, int32_t which, const rb_array* rows,
+                                          const rb_array* values);
+/// Contact forces on the second body of each of `count` pairs of rows (two numbers each), world axes [N]: 3
+/// numbers per pair. Valid until the next call.
+RB_API rb_status rb_worlds_contact_forces(const rb_worlds* worlds, const int32_t* rows, int64_t count,
+                                          rb_array* array);
+/// First hits of `count` rays, ray k in world numbers[k]. Hits name bodies of that world.
+RB_API rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays,
+                                     int64_t count, rb_ray_hit* hits);
+/// Sets an authored value in many worlds. `key`: "gravity", or "bodies.NAME.KEY" or "joints.NAME.KEY" with
+/// keys of scene files: "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness". World
+/// numbers[k] receives values[k * width] to values[k * width + width - 1], a number if width is 1.
+RB_API rb_status rb_worlds_set_values(rb_worlds* worlds, const char* key, const int32_t* numbers,
+                                      int64_t count, const double* values, int32_t width);
 /// Memory of the tables of the engine [bytes].
 RB_API int64_t rb_worlds_memory_bytes(const rb_worlds* worlds);
 

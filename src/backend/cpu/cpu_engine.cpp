@@ -2,6 +2,7 @@
 
 #include "stages/pairs/order.h"
 #include "tables/table_check.h"
+#include "tables/world_places.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -57,13 +58,8 @@ void CpuEngine::step(StepReport& report) {
 void CpuEngine::beginStep() {
   SolverData& s = executor_.view();
   RUBBLE_CORE::beginStep(s, settings_, previousDt_);
-  for (std::size_t w = 0; w < worlds_.size(); ++w) {
-    StepConstants& c = s.step[w];
-    c = s.step[0];
-    setGravity(c, settings_.params, worlds_[w].gravity);
-    c.stiffnessRescale = stiffnessRescale(settings_.params, worlds_[w].previousDt);
-    c.wakeAll = settings_.wakeAll || worlds_[w].wakeAll;
-  }
+  for (std::size_t w = 0; w < worlds_.size(); ++w)
+    setConstants(s, settings_, static_cast<int>(w), worlds_[w]);
 }
 
 void CpuEngine::takeStep(StepReport& report) {

@@ -4,6 +4,7 @@
 
 #include "backend/cpu/cpu_executor.h"
 #include "backend/cpu/host_arrays.h"
+#include "backend/cpu/host_joint_rows.h"
 #include "backend/observable_engine.h"
 #include "solver/settings.h"
 #include "tables/host_queries.h"
@@ -56,6 +57,16 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
     scatterRows(tables(), which, rows, values);
     arrays_.follow();
   }
+  void setJointRows(const JointRows& rows) override { jointRows_.set(rows); }
+  ArrayView array(JointArray which) override { return jointRows_.view(tables(), which); }
+  ArrayView array(SensorArray which) override { return jointRows_.view(tables(), which); }
+  ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override {
+    return jointRows_.contactForces(tables(), pairs);
+  }
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override {
+    jointRows_.scatter(tables(), which, rows, values);
+    arrays_.follow();
+  }
   bool reserve(const std::string& kind, int count) override { return reserveKind(tables(), kind, count); }
   std::size_t memoryBytes() const override { return executor_.tables().bytes(); }
   std::vector<TableHash> tableHashes() override { return hashTables(tables(), hashOf); }
@@ -93,6 +104,7 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   CpuExecutor executor_;
   HostReader reader_{executor_.tables()};
   HostArrays arrays_{executor_.tables()};
+  HostJointRows jointRows_;
   HostQueries queries_;
   EngineSettings settings_;
   double previousDt_ = 0;

@@ -27,6 +27,7 @@ inline constexpr int kSmallWidth = 8;
 /// Joints and soft nodes take long when one lane handles several.
 inline constexpr int kBodiesPerJoint = 4;
 __host__ __device__ inline int sliceWidth(const SolverData& s, int level) {
+  if (s.fixedOrder) return level == 0 ? kSmallWidth : kWarp;
   return level == 0 && s.softNodes == 0 && kBodiesPerJoint * s.jointSlots() < s.bodies ? kSmallWidth : kWarp;
 }
 

@@ -11,7 +11,7 @@ struct DualOfPoint {
   static constexpr int kBlocks = 12;
   __device__ void operator()(const SolverData& s, int i, const PointTile& tile) const {
     ContactRows& r = s.contact[i];
-    updateContactDuals<Real>(*s.step, r, s.dx[r.a], s.dx[r.b], tile.lane);
+    updateContactDuals<Real>(s.stepOf(r.a), r, s.dx[r.a], s.dx[r.b], tile.lane);
   }
 };
 template <> struct OnDevice<UpdateContactDuals<Real>> { using Type = DualOfPoint; };
@@ -26,7 +26,7 @@ struct FinishPoint {
     const int k = tile.lane;
     // prefetch
     const bool on = k < m.count, impact = on && (m.impact >> k & 1);
-    updateContactDuals<Real>(*s.step, r, s.dx[r.a], s.dx[r.b], k);
+    updateContactDuals<Real>(s.stepOf(r.a), r, s.dx[r.a], s.dx[r.b], k);
     PointBefore before;
     if (on) before = pointBefore(m, k, impact), noteBefore(s, i, m, k);
     StoredPoint point{};

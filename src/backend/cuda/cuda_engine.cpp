@@ -1,176 +1,32 @@
+#include "backend/cuda/cuda_engine.h"
+
 #include <nvtx3/nvToolsExt.h>
 
 #include <algorithm>
-#include <utility>
+#include <numeric>
 
 #include "backend/cpu/cpu_engine.h"
-#include "backend/cuda/device_poses.h"
-#include "backend/cuda/device_queries.h"
-#include "backend/cuda/mirror.h"
-#include "tables/exclusions.h"
-#include "tables/host_reader.h"
+#include "tables/world_places.h"
 
 namespace rubble::RUBBLE_CORE {
 
-namespace {
-
-/// An engine whose tables are on the device. Its host tables are synchronized on demand.
-class CudaEngine final : public ObservableEngine, private PoseCopies {
- public:
-  explicit CudaEngine(bool timings) : stepper_(timings) {}
-
-  void configure(const EngineSettings& settings) override {
-    settings_ = settings;
-    settingsChanged_ = true;
-    host().view().step->gravity = Vec3(settings.gravity);
-  }
-  void apply(std::span<const Edit> edits) override {
-    queries_.moved();
-    for (const Edit& edit : edits) std::visit([this](const auto& e) { write(e); }, edit);
-  }
-  const TableReader& read(Fetch what, int id) override {
-    switch (what) {
-      case Fetch::Body:
-        mirror_.fetchState(slotOf(host(), id));
-        break;
-      case Fetch::Vertices:
-        mirror_.fetchVertices();
-        break;
-      case Fetch::All:
-        mirror_.fetchAll();
-    }
-    return reader_;
-  }
-
-  ArrayView array(StateArray which) override { return mirror_.array(which); }
-  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
-    queries_.moved();
-    mirror_.scatter(which, rows, values);
-  }
-  bool reserve(const std::string& kind, int count) override {
-    return reserveKind(stepper_.tables(), kind, count);
-  }
-
-  PoseCopies* poseCopies() override { return this; }
-  void begin(int buffer) override { poses_.begin(buffer, present(), host().bodyIds, stepper_.stream()); }
-  bool ready(int buffer) const override { return poses_.ready(buffer); }
-  void wait(int buffer) override { poses_.wait(buffer); }
-  ArrayView position(int buffer) const override { return poses_.position(buffer); }
-  ArrayView orientation(int buffer) const override { return poses_.orientation(buffer); }
-
-  void step(StepReport& report) override;
-
-  void sortBodies() override;
-  std::span<EngineQuery> queryRoom(std::size_t n) override { return queries_.room(n); }
-  std::span<const EngineHit> hits(const EngineQueries& asked) override {
-    return queries_.hits(present(), *host().view().step, asked, stepper_.stream());
-  }
-  EngineOverlaps overlaps(const EngineQueries& asked) override {
-    return queries_.overlaps(present(), *host().view().step, asked, stepper_.stream());
-  }
-  void observe(KernelObserver observer) override { stepper_.observe(std::move(observer)); }
-  const HostTables& tablesNow() override;
-  /// Device memory.
-  std::size_t memoryBytes() const override { return stepper_.bytes(); }
-  std::vector<TableHash> tableHashes() override {
-    mirror_.fetchAll();
-    return hashTables(host(), hashOf);
-  }
-  /// With vertices through the host: device snapshots contain only bodies and joints.
-  std::shared_ptr<const EngineSnapshot> snapshot() override;
-  void restore(const EngineSnapshot& snapshot) override;
-
- private:
-  HostTables& host() { return mirror_.host(); }
-  /// The tables of the device with all edits. The sizes in its own SolverData are those of the last step.
-  SolverData present() {
-    mirror_.flush();
-    return onDevice(host().view(), stepper_.tables().view());
-  }
-
-  void write(const SetBody& e);
-  void write(const SetBodyState& e) {
-    const int slot = slotOf(host(), e.id);
-    setBodyState(host(), slot, e.state);
-    mirror_.stateWritten(slot);
-  }
-  void write(const AddForce& e) {
-    mirror_.beforeForce();
-    RUBBLE_CORE::apply(host(), e);
-    mirror_.forceWritten(slotOf(host(), e.id));
-  }
-  void write(const AddVelocity& e) { mirror_.addVelocity(slotOf(host(), e.id), e.change); }
-  void write(const ForgetContacts& e) { mirror_.forgetContacts(e.ids); }
-  void write(const AddShape& e) {
-    RUBBLE_CORE::apply(host(), e);
-    mirror_.shapesAppended();
-  }
-  void write(const SetSurfaces& e) {
-    RUBBLE_CORE::apply(host(), e);
-    mirror_.listWritten(Per::Surface);
-  }
-  void write(const SetPlanes& e) {
-    RUBBLE_CORE::apply(host(), e);
-    mirror_.listWritten(Per::Plane);
-  }
-  void write(const SetJoint& e) {
-    RUBBLE_CORE::apply(host(), e);
-    const int type = static_cast<int>(e.joint.type);
-    e.keepsState ? mirror_.specWritten(type, e.slot) : mirror_.jointWritten(type, e.slot);
-  }
-  void write(const SetExcluded& e) {
-    setExcluded(host(), e.a, e.b, e.excluded, &mirror_.exclusionsWritten(), e.world);
-  }
-  /// Rewrites the lists of all objects: everything is fetched, edited and uploaded.
-  void write(const SetDeformables& e) {
-    mirror_.fetchAll();
-    RUBBLE_CORE::apply(host(), e);
-    mirror_.allWritten();
-  }
-  void write(const SetVertices& e) {
-    RUBBLE_CORE::apply(host(), e);
-    mirror_.verticesWritten(e.first, static_cast<int>(e.positions.size()));
-  }
-  void write(const AddVertexForce& e) {
-    RUBBLE_CORE::apply(host(), e);
-    mirror_.vertexForceWritten(e.vertex);
-  }
-
-  void prepareConstants();
-  /// Updates the body counts when a body is added or removed.
-  void count(int slot, int change) {
-    const BodyKind kind = host().view().params[slot].kind;
-    if (kind != BodyKind::Removed) bodyCount_ += change;
-    if (kind == BodyKind::Dynamic) dynamicCount_ += change;
-  }
-  void countBodies() {
-    bodyCount_ = dynamicCount_ = 0;
-    for (int slot = 0; slot < host().view().bodies; ++slot) count(slot, 1);
-  }
-
-  CudaStepper stepper_;
-  Mirror mirror_{stepper_};
-  HostReader reader_{mirror_.host()};
-  DevicePoses poses_;
-  DeviceQueries queries_;
-  std::unique_ptr<HostTables> seen_;  ///< of tablesNow()
-  std::vector<ContactRows> seenRows_;
-  EngineSettings settings_;
-  bool settingsChanged_ = true;
-  int bodyCount_ = 0, dynamicCount_ = 0;
-  double previousDt_ = 0;
-  double preparedFor_ = -1;  ///< previousDt_ of the prepared constants
-};
-
-/// Recomputes the constants of the step only if they may differ. A CUDA graph is reused while they are
-/// bitwise equal.
+/// Recomputes the constants of the step only if they may differ.
 void CudaEngine::prepareConstants() {
-  if (!settingsChanged_ && preparedFor_ == previousDt_) return;
-  const Counters last = *host().view().counters;
-  beginStep(host().view(), settings_, previousDt_);
-  *host().view().counters = last;
-  settingsChanged_ = false;
-  preparedFor_ = previousDt_;
+  SolverData& s = host().view();
+  if (settingsChanged_ || preparedFor_ != previousDt_) {
+    const Counters last = *s.counters;
+    beginStep(s, settings_, previousDt_);
+    *s.counters = last;
+    settingsChanged_ = false;
+    preparedFor_ = previousDt_;
+    changedWorlds_.resize(std::max<std::size_t>(1, worlds_.size()));
+    std::iota(changedWorlds_.begin(), changedWorlds_.end(), 0);
+  }
+  if (changedWorlds_.empty()) return;
+  for (const int w : changedWorlds_)
+    if (!worlds_.empty()) setConstants(s, settings_, w, worlds_[static_cast<std::size_t>(w)]);
+  mirror_.constantsWritten(changedWorlds_);
+  changedWorlds_.clear();
 }
 
 void CudaEngine::step(StepReport& report) {
@@ -179,11 +35,12 @@ void CudaEngine::step(StepReport& report) {
   host().trees.update(host(), mirror_.treeChanges());
   host().view().bodiesMove = dynamicCount_ > 0;
   for (int k = 0; k < settings_.params.substeps; ++k) {
-    mirror_.flush();
     prepareConstants();
+    mirror_.flush();
     mirror_.stepped(stepper_.step(host().view(), report));
     host().view().rolledBefore = host().view().rolls;
     previousDt_ = settings_.params.dt / settings_.params.substeps;
+    endStepOfWorlds();
   }
   mirror_.endForces();
   mirror_.followArrays();
@@ -219,8 +76,8 @@ const HostTables& CudaEngine::tablesNow() {
 
 void CudaEngine::sortBodies() {
   queries_.moved();
-  mirror_.flush();
   prepareConstants();
+  mirror_.flush();
   stepper_.sortBodies(host().view(), mirror_.oldPairs());
   mirror_.bodiesSorted();
 }
@@ -231,9 +88,10 @@ void CudaEngine::write(const SetBody& e) {
   mirror_.bodiesAdded(before);
   const int slot = slotOf(host(), e.id);
   count(slot, -1);
-  setBody(host(), slot, e.body);
+  (e.keepsState ? setBodyParams : setBody)(host(), slot, e.body);
+  if (e.number >= 0) host().view().idOf[slot] = e.number, host().view().worldOfBody[slot] = e.world;
   count(slot, 1);
-  mirror_.bodyWritten(slot);
+  e.keepsState ? mirror_.bodyParamsWritten(slot) : mirror_.bodyWritten(slot);
 }
 
 std::shared_ptr<const EngineSnapshot> CudaEngine::snapshot() {
@@ -255,8 +113,6 @@ void CudaEngine::restore(const EngineSnapshot& snapshot) {
   }
   countBodies();
 }
-
-}  // namespace
 
 std::unique_ptr<Engine> makeCudaEngine(bool timings) { return std::make_unique<CudaEngine>(timings); }
 

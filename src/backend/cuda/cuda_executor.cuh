@@ -166,7 +166,7 @@ class CudaExecutor : private KernelLauncher {
   void run(const SumSoftNodePart& kernel, int n) {
     if constexpr (kStrict)
       run<SumSoftNodePart>(kernel, n);
-    else if (view().features > 0)
+    else if (view().features > 0 || view().fixedOrder)
       run(SumSoftNodePartByTile<true>{kernel}, n);
     else
       run(SumSoftNodePartByTile<false>{kernel}, n);
@@ -341,7 +341,7 @@ class CudaExecutor : private KernelLauncher {
       return;
     }
     // as many blocks as are resident at once, whatever the size of the color
-    const bool bodies = view().bodies > 0 && view().bodiesMove;
+    const bool bodies = view().bodies > 0 && (view().bodiesMove || view().fixedOrder);
     const int held = kSolveBlocks * processors_;
     const int vertexBlocks = std::min((view().vertices * kVertexLanes + kSolveThreads - 1) / kSolveThreads,
                                       held / kVertexShare);

@@ -164,16 +164,8 @@ struct CudaStepper::Impl {
     return graph.timeline();
   }
 
-  /// Takes over the sizes and constants of `host`.
-  void adopt(const SolverData& host) {
-    tables.view() = onDevice(host, tables.view());
-    // the last copy has ended, because every step waits for the device
-    if (std::memcmp(constants.get(), host.step, sizeof(StepConstants)) == 0) return;
-    *constants.get() = *host.step;
-    checkCuda(cudaMemcpyAsync(tables.view().step, constants.get(), sizeof(StepConstants),
-                              cudaMemcpyHostToDevice, stream.get()),
-              "cudaMemcpyAsync of constants");
-  }
+  /// Takes over the sizes of `host`.
+  void adopt(const SolverData& host) { tables.view() = onDevice(host, tables.view()); }
 
   void makeRoom(const Control& control) {
     const Per per = static_cast<Per>(control.lacking);
@@ -202,7 +194,6 @@ struct CudaStepper::Impl {
   DeviceTables tables;
   CudaExecutor executor{tables, stream.get()};
   Pinned<StepStatus> status;
-  Pinned<StepConstants> constants;  ///< those on the device
   StepGraph graphs[2];
   Timeline direct;
   Bound colors{kFirstColors};

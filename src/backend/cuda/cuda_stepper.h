@@ -28,8 +28,8 @@ class CudaStepper {
   bool counted(Per per) const;
   std::size_t bytes() const;
 
-  /// Takes one step with the sizes and constants of `host`, whose pointers are not used. Adds restarts and
-  /// stage times to the report.
+  /// Takes one step with the sizes of `host`, whose pointers are not used, and the constants on the device.
+  /// Adds restarts and stage times to the report.
   Counters step(const SolverData& host, StepReport& report);
 
   /// While there is an observer, kernels run one by one and without graphs.

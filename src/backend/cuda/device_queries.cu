@@ -132,19 +132,19 @@ void DeviceQueries::scan(const int* counts, int n, int* offsets, cudaStream_t st
   run(scratch_.data());
 }
 
-SolverData DeviceQueries::withGrid(const SolverData& device, const StepConstants& constants,
+SolverData DeviceQueries::withGrid(const SolverData& device, const StepConstants* constants,
                                    cudaStream_t stream) {
   SolverData s = device;
-  still_.reserve(sizeof(StepConstants));
+  const std::size_t bytes = sizeof(StepConstants) * static_cast<std::size_t>(s.worlds);
+  still_.reserve(bytes);
   s.step = reinterpret_cast<StepConstants*>(still_.data());
+  s.pausing = false;
   if (std::exchange(filled_, true)) return s;
-  // bodies do not move during queries
-  StepConstants still = constants;
-  still.dt = 0;
-  if (std::memcmp(constants_.get(), &still, sizeof still) != 0) {
-    *constants_ = still;
-    copyTo(s.step, constants_.get(), sizeof still, stream);
-  }
+  // bodies do not move during queries; the last copy has ended, because every query waits for the device
+  constants_.reserve(bytes);
+  auto* const still = reinterpret_cast<StepConstants*>(constants_.data());
+  for (int w = 0; w < s.worlds; ++w) still[w] = constants[w], still[w].dt = 0;
+  copyTo(s.step, still, bytes, stream);
   const auto clear = [&](void* p, std::size_t bytes) {
     checkCuda(cudaMemsetAsync(p, 0, bytes, stream), "cudaMemsetAsync");
   };
@@ -180,7 +180,7 @@ DeviceQueries::Asked DeviceQueries::send(const EngineQueries& asked, cudaStream_
   return out;
 }
 
-std::span<const EngineHit> DeviceQueries::hits(const SolverData& device, const StepConstants& constants,
+std::span<const EngineHit> DeviceQueries::hits(const SolverData& device, const StepConstants* constants,
                                                const EngineQueries& asked, cudaStream_t stream) {
   const std::size_t count = asked.queries.size();
   hits_.reserve(sizeof(EngineHit) * count);
@@ -208,7 +208,7 @@ std::span<const EngineHit> DeviceQueries::hits(const SolverData& device, const S
   return {hits, count};
 }
 
-EngineOverlaps DeviceQueries::overlaps(const SolverData& device, const StepConstants& constants,
+EngineOverlaps DeviceQueries::overlaps(const SolverData& device, const StepConstants* constants,
                                        const EngineQueries& asked, cudaStream_t stream) {
   const SolverData s = withGrid(device, constants, stream);
   const Asked q = send(asked, stream);

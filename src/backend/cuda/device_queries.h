@@ -6,7 +6,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// `device`: tables on the device with their present sizes; `constants`: those of the host.
+/// `device`: tables on the device with their present sizes; `constants`: those of the host, by world.
 class DeviceQueries {
  public:
   std::span<EngineQuery> room(std::size_t n) {
@@ -14,9 +14,9 @@ class DeviceQueries {
     return {reinterpret_cast<EngineQuery*>(room_.data()), n};
   }
   /// As Engine::hits and Engine::overlaps.
-  std::span<const EngineHit> hits(const SolverData& device, const StepConstants& constants,
+  std::span<const EngineHit> hits(const SolverData& device, const StepConstants* constants,
                                   const EngineQueries& asked, cudaStream_t stream);
-  EngineOverlaps overlaps(const SolverData& device, const StepConstants& constants,
+  EngineOverlaps overlaps(const SolverData& device, const StepConstants* constants,
                           const EngineQueries& asked, cudaStream_t stream);
   /// Bodies have moved or changed since the last query.
   void moved() { filled_ = false; }
@@ -30,14 +30,14 @@ class DeviceQueries {
   };
   Asked send(const EngineQueries& asked, cudaStream_t stream);
   /// Fills the grid at the present poses. The constants of the result have dt = 0.
-  SolverData withGrid(const SolverData& device, const StepConstants& constants, cudaStream_t stream);
+  SolverData withGrid(const SolverData& device, const StepConstants* constants, cudaStream_t stream);
   /// Sums of the counts before each of n elements, and their total.
   void scan(const int* counts, int n, int* offsets, cudaStream_t stream);
 
   DeviceBuffer scratch_, still_, batch_, counts_, found_;
   DeviceBuffer shapes_, vectors_, indices_, parts_;  ///< of casts and overlaps
   PinnedBuffer room_, hits_, offsets_, bodies_;
-  Pinned<StepConstants> constants_;  ///< those in still_
+  PinnedBuffer constants_;
   bool filled_ = false;
 };
 

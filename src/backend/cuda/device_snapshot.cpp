@@ -72,7 +72,7 @@ SnapshotSizes sizesOf(const HostTables& tables, int pairs, int activePairs, int 
   sizes.shapeVectors = tables.shapeVectors, sizes.shapeIndices = tables.shapeIndices,
   sizes.shapeParts = tables.shapeParts, sizes.surfaces = s.surfaces;
   sizes.traits = tables.traits(), sizes.rolledBefore = s.rolledBefore;
-  sizes.rollers = s.rolls ? s.counters->rollers : 0;
+  sizes.rollers = s.rolls || s.rolledBefore ? s.counters->rollers : 0;
   std::copy(std::begin(s.joints), std::end(s.joints), sizes.joints);
   sizes.bodyIds = tables.bodyIds;
   std::copy(std::begin(tables.jointIds), std::end(tables.jointIds), sizes.jointIds);
@@ -117,6 +117,22 @@ void putAuthored(HostTables& tables, const SnapshotSizes& sizes, const AuthoredB
   const SolverData& s = tables.view();
   forEachPart(sizes, isAuthored, [&](const auto& array, std::size_t bytes, std::size_t at) {
     if (bytes > 0) std::memcpy(s.*array.member, from.data() + at, bytes);
+  });
+}
+
+void StateCopy::take(const SnapshotSizes& sizes, const SolverData& device, bool contactsOnly,
+                     cudaStream_t stream) {
+  const auto wanted = [&](Lifetime life) { return life == Lifetime::State; };
+  const auto isTaken = [&]<class T>(const ArrayInfo<T>& array) {
+    return !contactsOnly || !(isBodyState(array) || jointTypeOf(array.per) >= 0);
+  };
+  data_.reserve(forEachPart(sizes, wanted, [](const auto&, std::size_t, std::size_t) {}));
+  forEachPart(sizes, wanted, [&]<class T>(const ArrayInfo<T>& array, std::size_t bytes, std::size_t at) {
+    view_.*array.member = reinterpret_cast<T*>(data_.data() + at);
+    if (bytes == 0 || !isTaken(array)) return;
+    checkCuda(
+        cudaMemcpyAsync(data_.data() + at, device.*array.member, bytes, cudaMemcpyDeviceToDevice, stream),
+        "cudaMemcpyAsync of states");
   });
 }
 

@@ -28,6 +28,19 @@ using AuthoredBytes = std::vector<std::byte>;
 std::shared_ptr<const AuthoredBytes> copyAuthored(const HostTables& tables, const SnapshotSizes& sizes);
 void putAuthored(HostTables& tables, const SnapshotSizes& sizes, const AuthoredBytes& bytes);
 
+/// A copy of State arrays on the device, in memory that is used again.
+class StateCopy {
+ public:
+  /// Copies in the order of the stream: all arrays, or those of the contacts of bodies.
+  void take(const SnapshotSizes& sizes, const SolverData& device, bool contactsOnly, cudaStream_t stream);
+  /// Pointers to the arrays that were taken.
+  const SolverData& view() const { return view_; }
+
+ private:
+  DeviceBuffer data_;
+  SolverData view_;
+};
+
 class DeviceSnapshot final : public EngineSnapshot {
  public:
   /// Copies in stream order, without synchronization.

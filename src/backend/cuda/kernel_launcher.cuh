@@ -79,8 +79,8 @@ class KernelLauncher {
     stage_ = name;
   }
 
-  /// Threads that are resident at once.
-  int residentThreads() const { return maxBlocks_ * kThreads; }
+  /// Threads that are resident at once; 0 if lanes must not depend on the number of elements.
+  int residentThreads() const { return view().fixedOrder ? 0 : maxBlocks_ * kThreads; }
   /// Blocks for n elements of `width` threads each.
   int blocksFor(int n, int width = 1) const {
     const std::int64_t blocks = (std::int64_t{n} * width + kThreads - 1) / kThreads;

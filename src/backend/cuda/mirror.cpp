@@ -1,6 +1,7 @@
 #include "backend/cuda/mirror.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace rubble::RUBBLE_CORE {
 
@@ -70,6 +71,8 @@ void Mirror::allWritten() {
   trees_ = {};
   exclusions_.clear();
   movedVertices_.clear(), dynamicVertices_.clear(), forcedVertices_.clear();
+  worldsRead_.clear();
+  targetsOnDevice_ = false;
   statesOld_ = verticesOld_ = restOld_ = forcesOnDevice_ = false;
 }
 
@@ -77,6 +80,7 @@ void Mirror::forgetContacts(std::span<const int> ids) {
   if (allDirty_) return RUBBLE_CORE::forgetContacts(host_, ids);
   // the manifolds may exist on the device only
   for (const int id : ids) forgotten_.push_back(slotOf(host_, id));
+  worldsRead_.clear();
   restOld_ = true;
 }
 
@@ -95,6 +99,8 @@ int Mirror::liveCount(Per per) const {
       return s.counters->manifolds;
     case Per::Plane:
       return s.planes;
+    case Per::World:
+      return s.worlds;
     case Per::ShapeVector:
       return host_.shapeVectors;
     case Per::ShapeIndex:
@@ -104,7 +110,7 @@ int Mirror::liveCount(Per per) const {
     case Per::Surface:
       return s.surfaces;
     case Per::Rolling:
-      return s.rolls ? s.counters->rollers : 0;
+      return s.rolls || s.rolledBefore ? s.counters->rollers : 0;
     case Per::Exclusion:
       return s.exclusions;
     case Per::Vertex:
@@ -189,9 +195,11 @@ void Mirror::sendAll() {
   stepper_.tables().reserve(Per::PointPair, liveCount(Per::PointPair));
   stepper_.tables().reserve(Per::Rolling, liveCount(Per::Rolling));
   forEachArray([&](const auto& array) {
-    if (!kept(array.life) && array.life != Lifetime::Derived) return;
+    if (!kept(array.life) && array.life != Lifetime::Derived && array.life != Lifetime::Batch) return;
     upload(array, 0, liveCount(array.per) + array.extra);
   });
+  constants_.clear();
+  resendPaused_ = false;
   host_.view().counters->pairs = liveCount(Per::Pair);
   host_.view().counters->pointPairs = liveCount(Per::PointPair);
   allWritten();
@@ -209,11 +217,15 @@ void Mirror::noteForces() {
     if (s.force[i] != none || s.torque[i] != none) mark(i, kPushed);
 }
 
-/// Sends authored arrays that are not edited element by element.
+/// Sends arrays of edits that are not edited element by element.
 void Mirror::sendLists() {
+  if (std::exchange(resendPaused_, false))
+    upload(ArrayInfo<int>{&SolverData::paused, "", "", Per::World, Lifetime::Batch}, 0,
+           liveCount(Per::World));
   if (std::find(std::begin(resend_), std::end(resend_), true) == std::end(resend_)) return;
   forEachArray([&](const auto& array) {
-    if (array.life == Lifetime::Authored && resend_[static_cast<int>(array.per)])
+    if ((array.life == Lifetime::Authored || array.life == Lifetime::Batch) &&
+        resend_[static_cast<int>(array.per)])
       upload(array, 0, liveCount(array.per) + array.extra);
   });
   std::fill(std::begin(resend_), std::end(resend_), false);
@@ -284,6 +296,13 @@ void Mirror::sendEdits() {
       if (perBody(array)) packet.add(array.member);
     });
   }
+  const std::vector<int> params = slotsWith(kParams);
+  if (!params.empty()) {
+    packet.setSlots(params);
+    forEachArray([&](const auto& array) {
+      if (perBody(array) && array.life == Lifetime::Authored) packet.add(array.member);
+    });
+  }
   if (!states.empty()) {
     packet.setSlots(states);
     forEachMotionArray([&](auto array) { packet.add(array); });
@@ -295,6 +314,10 @@ void Mirror::sendEdits() {
   }
   addTrees(packet);
   addVertices(packet);
+  if (!constants_.empty()) {
+    packet.setSlots(constants_);
+    packet.add(&SolverData::step);
+  }
   if (!exclusions_.empty()) {
     packet.setSlots(exclusions_);
     packet.add(&SolverData::exclusion);
@@ -346,7 +369,7 @@ void Mirror::sendEdits() {
   for (std::vector<int>& slots : specs_) slots.clear();
   velocityEdits_.clear(), velocityChanges_.clear(), forgotten_.clear();
   trees_ = {};
-  exclusions_.clear(), movedVertices_.clear(), dynamicVertices_.clear();
+  exclusions_.clear(), movedVertices_.clear(), dynamicVertices_.clear(), constants_.clear();
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -6,9 +6,12 @@
 
 #include "backend/arrays_by_id.h"
 #include "backend/cuda/cuda_stepper.h"
+#include "backend/cuda/device_joint_rows.h"
 #include "backend/cuda/device_snapshot.h"
 #include "backend/cuda/packet.h"
+#include "backend/cuda/world_splice.h"
 #include "tables/table_edit.h"
+#include "tables/world_state.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -23,6 +26,10 @@ class Mirror {
   void bodiesAdded(int before);  ///< new slots: `before` and above
   void bodyWritten(int slot) {
     mark(slot, kBody);
+    authored_.reset();
+  }
+  void bodyParamsWritten(int slot) {
+    mark(slot, kParams);
     authored_.reset();
   }
   void stateWritten(int slot) { mark(slot, kState); }
@@ -50,6 +57,10 @@ class Mirror {
     authored_.reset();
     return exclusions_;
   }
+  /// The constants of the step in these worlds.
+  void constantsWritten(std::span<const int> worlds) {
+    constants_.insert(constants_.end(), worlds.begin(), worlds.end());
+  }
   void allWritten();  ///< after loading: the content of the device is obsolete
   void forgetContacts(std::span<const int> ids);
   /// The device has sorted its bodies.
@@ -61,6 +72,21 @@ class Mirror {
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
   /// As Engine::array, in device memory.
   ArrayView array(StateArray which);
+  // Rows of joints, and sensors.
+  void setJointRows(const JointRows& rows) { jointRows_.set(rows, stepper_.stream()); }
+  ArrayView array(JointArray which) {
+    flush();
+    return jointRows_.view(present(), which, stepper_.stream());
+  }
+  ArrayView array(SensorArray which) {
+    flush();
+    return jointRows_.view(present(), which, host_.bodyIds, oldPairs(), stepper_.stream());
+  }
+  ArrayView contactForces(std::span<const std::array<int, 2>> pairs) {
+    flush();
+    return jointRows_.contactForces(present(), pairs, stepper_.stream());
+  }
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values);
   /// Updates the arrays by id after a step.
   void followArrays();
   /// Number of pairs of the last step on the device.
@@ -72,6 +98,19 @@ class Mirror {
 
   std::shared_ptr<const DeviceSnapshot> snapshot(double previousDt);
   void restore(const DeviceSnapshot& snapshot);
+
+  // Worlds of a batch without vertices (mirror_worlds.cpp).
+  /// Updates the persistent state of one world on the host.
+  void fetchWorld(int world, const WorldPart& part);
+  /// These worlds have new elements on the host, and these contacts.
+  void worldsWritten(std::span<const WorldPart> parts, std::span<const WorldChange> changes,
+                     const BodyContacts& contacts);
+  /// SolverData::paused has changed.
+  void pausedWritten() { resendPaused_ = true; }
+  /// Keeps the state of all worlds on the device.
+  void keepWorlds();
+  /// Gives paused worlds the state that was kept.
+  void putBackPaused();
 
   /// Sends all pending edits.
   void flush();
@@ -96,6 +135,7 @@ class Mirror {
     kKnown = 8,            ///< the host's state of this slot is up to date
     kPushed = 16,          ///< has a force until the next step
     kVelocityEdited = 32,  ///< pending velocity change on the device
+    kParams = 64,          ///< pending upload: everything but the state
   };
 
   void mark(int slot, std::uint8_t bits);
@@ -109,8 +149,23 @@ class Mirror {
   void addTrees(Packet& packet);
   void addVertices(Packet& packet);
   void noteForces();
+  /// The tables of the device with the sizes of the host.
+  SolverData present() { return onDevice(host_.view(), stepper_.tables().view()); }
+  /// Calls write(rows, values) with both in device memory, in the order of their streams.
+  template <class Write> void withValues(const ArrayView& rows, const ArrayView& values, const Write& write);
+  /// A scatter has changed states on the device.
+  void scattered(bool forces);
+  /// Replaces the contacts of worlds by those of `b`.
+  void splice(const ContactTables& b, const int* firstInB);
   template <class T> void upload(const ArrayInfo<T>& array, int first, int count);
-  template <class T> void download(const ArrayInfo<T>& array, int count);
+  template <class T> void download(const ArrayInfo<T>& array, int first, int count) {
+    const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(count);
+    checkCuda(cudaMemcpyAsync(&(host_.view().*array.member)[0] + first,
+                              &(stepper_.tables().view().*array.member)[0] + first, bytes,
+                              cudaMemcpyDeviceToHost, stepper_.stream()),
+              "cudaMemcpyAsync to the host");
+  }
+  template <class T> void download(const ArrayInfo<T>& array, int count) { download(array, 0, count); }
   auto gather() const {
     return [this](std::byte* to, const void* from, int bytes) {
       gatherById(stepper_.stream(), to, from, stepper_.tables().view().placeOf, host_.bodyIds,
@@ -118,6 +173,8 @@ class Mirror {
     };
   }
   void fetchStates();
+  /// Updates the targets of drives on the host.
+  void fetchTargets();
 
   CudaStepper& stepper_;
   HostTables host_;
@@ -135,13 +192,22 @@ class Mirror {
   TreeChanges trees_;
   std::vector<int> treeChildren_;  ///< elements of treeChild in trees_
   std::vector<int> exclusions_, movedVertices_, dynamicVertices_, forcedVertices_;
+  std::vector<int> constants_;   ///< worlds whose constants have changed
+  std::vector<int> worldsRead_;  ///< worlds whose state on the host is that of the device
+  StateCopy present_, kept_;     ///< of the contacts before a splice, and of paused worlds
+  bool keptForces_ = false, keptRolling_ = false;
+  DeviceBuffer counts_;
+  Pinned<ContactCounts> total_;
   bool allDirty_ = true;  ///< the device has no data yet
+  bool resendPaused_ = false;
+  bool targetsOnDevice_ = false;  ///< targets of drives on the device are newer
   bool statesOld_ = false, verticesOld_ = false, restOld_ = false;
   bool forcesOnDevice_ = false;  ///< some forces exist on the device only
   bool forced_ = false;          ///< the device may have forces
   int singleFetches_ = 0;
   Pinned<BodyMotionState> fetched_;
   ArraysById<DeviceBuffer> byId_;
+  DeviceJointRows jointRows_;
   /// orders the streams of a caller of scatter() and of this engine
   StreamEvent handed_;
 };

@@ -22,6 +22,7 @@ void Mirror::stepped(const Counters& counters) {
   statesOld_ = verticesOld_ = restOld_ = true;
   forcesOnDevice_ = false;
   singleFetches_ = 0;
+  worldsRead_.clear();
 }
 
 void Mirror::endForces() {
@@ -33,13 +34,6 @@ void Mirror::endForces() {
   const SolverData& device = stepper_.tables().view();
   end(device.force, host_.view().bodies), end(device.torque, host_.view().bodies),
       end(device.vertexForce, host_.view().vertices);
-}
-
-template <class T> void Mirror::download(const ArrayInfo<T>& array, int count) {
-  const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(count);
-  checkCuda(cudaMemcpyAsync(host_.view().*array.member, stepper_.tables().view().*array.member, bytes,
-                            cudaMemcpyDeviceToHost, stepper_.stream()),
-            "cudaMemcpyAsync to the host");
 }
 
 void Mirror::fetchStates() {
@@ -87,12 +81,22 @@ void Mirror::fetchAll() {
   host_.reserve(Per::Manifold, liveCount(Per::Manifold));
   host_.reserve(Per::PointPair, liveCount(Per::PointPair));
   host_.reserve(Per::Rolling, liveCount(Per::Rolling));
+  fetchTargets();
   forEachArray([&](const auto& array) {
     if (array.life == Lifetime::State) download(array, liveCount(array.per) + array.extra);
   });
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
   statesOld_ = verticesOld_ = restOld_ = false;
   if (std::exchange(forcesOnDevice_, false)) noteForces();
+}
+
+void Mirror::fetchTargets() {
+  if (!std::exchange(targetsOnDevice_, false)) return;
+  forEachArray([&](const auto& array) {
+    if (array.life == Lifetime::Authored && jointTypeOf(array.per) >= 0)
+      download(array, liveCount(array.per));
+  });
+  checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
 }
 
 void Mirror::bodiesSorted() {
@@ -141,53 +145,14 @@ void Mirror::addVelocity(int slot, const rubble::Vec3& change) {
     flush();  // one change per body and batch, so that changes add up in call order
   }
   mark(slot, kVelocityEdited);
+  worldsRead_.clear();
   velocityEdits_.push_back(slot);
   velocityChanges_.push_back(change);
 }
 
-void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
-  flush();
-  const cudaStream_t stream = stepper_.stream();
-  const SolverData& device = stepper_.tables().view();
-  const int count = static_cast<int>(rows.shape[0]);
-  if (values.device) {
-    // ordered after the caller's earlier work and before its later work
-    const auto order = [&](std::uintptr_t handle, cudaStream_t first, cudaStream_t then) {
-      if (handle == 0) return;
-      handed_.record(first);
-      handed_.holdBack(then);
-    };
-    const auto handle = [](const ArrayView& view) { return reinterpret_cast<cudaStream_t>(view.stream); };
-    order(rows.stream, handle(rows), stream);
-    order(values.stream, handle(values), stream);
-    scatterStateRows(stream, device, ScatterRows(which, rows, values), count);
-    followArrays();
-    order(rows.stream, stream, handle(rows));
-    order(values.stream, stream, handle(values));
-  } else {
-    const auto bytes = [](const ArrayView& view, int numbers) {
-      return static_cast<std::size_t>(view.strides[0] * (view.shape[0] - 1) + view.strides[1] * numbers);
-    };
-    const std::size_t rowBytes = bytes(rows, 1),
-                      valuesAt = (rowBytes + sizeof(double) - 1) / sizeof(double) * sizeof(double);
-    const std::size_t valueBytes = bytes(values, static_cast<int>(values.shape[1]));
-    std::byte* const to = upload_.begin(valuesAt + valueBytes);
-    std::memcpy(to, rows.data, rowBytes);
-    std::memcpy(to + valuesAt, values.data, valueBytes);
-    const std::byte* const sent = upload_.send(stream);
-    ArrayView rowsThere = rows, valuesThere = values;
-    rowsThere.data = sent, valuesThere.data = sent + valuesAt;
-    scatterStateRows(stream, device, ScatterRows(which, rowsThere, valuesThere), count);
-    followArrays();
-  }
-  for (const int slot : touched_) bits_[static_cast<std::size_t>(slot)] &= static_cast<std::uint8_t>(~kKnown);
-  statesOld_ = restOld_ = true;
-  const bool forces = which == StateArray::Force || which == StateArray::Torque;
-  forcesOnDevice_ |= forces, forced_ |= forces;
-}
-
 std::shared_ptr<const DeviceSnapshot> Mirror::snapshot(double previousDt) {
   flush();
+  fetchTargets();
   const SnapshotSizes sizes = sizesOf(host_, liveCount(Per::Pair), liveCount(Per::ActivePair),
                                       liveCount(Per::Manifold));
   if (!authored_) authored_ = copyAuthored(host_, sizes);

@@ -28,6 +28,7 @@ inline constexpr int kVertexBlocks = 6;
 struct SolveThreads {
   int bodies, vertices;
   static SolveThreads of(const SolverData& s, int processors) {
+    if (s.fixedOrder) return {0, 0};
     const int all = kSolveBlocks * processors;
     return {all * kGatherThreads,
             s.bodiesMove ? all / kVertexShare * kSolveThreads : kVertexBlocks * processors * kThreads};
@@ -45,7 +46,7 @@ inline bool hasFewJoints(const SolverData& s, int threads) {
 }
 inline ExtraRows extraRowsOf(const SolverData& s, int threads) {
   if (hasFewJoints(s, threads)) return ExtraRows::FewJoints;
-  return s.hasJoints() || s.rolls || s.vertices > 0 ? ExtraRows::Any : ExtraRows::None;
+  return s.hasJoints() || s.rolls || s.vertices > 0 || s.fixedOrder ? ExtraRows::Any : ExtraRows::None;
 }
 
 /// Adds the joints among the incidences [k, end) of a body, one per lane. Not inlined: joints are rare and

@@ -7,6 +7,7 @@
 #include <exception>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
@@ -18,7 +19,7 @@ namespace rubble::RUBBLE_CORE {
 
 /// Each engine runs the step in a thread of its own. The threads meet in a barrier at the end of each kernel.
 /// Reads are of the first engine.
-class LockstepEngine final : public Engine {
+class LockstepEngine final : public Engine, public BatchEngine {
  public:
   LockstepEngine(std::unique_ptr<ObservableEngine> a, std::unique_ptr<ObservableEngine> b)
       : a_{std::move(a)}, b_{std::move(b)} {}
@@ -30,17 +31,7 @@ class LockstepEngine final : public Engine {
     both([&](Engine& e) { e.apply(edits); });
   }
   void step(StepReport& report) override {
-    step_ = report.step;
-    a_.ended = b_.ended = false;
-    a_.keep(), b_.keep();
-    meeting_.emplace(2, Compare{this});
-    StepReport otherReport = report;
-    std::thread other([&] { run(b_, otherReport); });
-    run(a_, report);
-    other.join();
-    report.difference = difference_;
-    for (const Side* side : {&a_, &b_})
-      if (side->error) std::rethrow_exception(side->error);
+    stepBoth(report, [](Engine& e, StepReport& own) { e.step(own); });
   }
   void sortBodies() override {
     both([](Engine& e) { e.sortBodies(); });
@@ -59,6 +50,17 @@ class LockstepEngine final : public Engine {
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     both([&](Engine& e) { e.scatter(which, rows, values); });
   }
+  void setJointRows(const JointRows& rows) override {
+    both([&](Engine& e) { e.setJointRows(rows); });
+  }
+  ArrayView array(JointArray which) override { return a_.engine->array(which); }
+  ArrayView array(SensorArray which) override { return a_.engine->array(which); }
+  ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override {
+    return a_.engine->contactForces(pairs);
+  }
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override {
+    both([&](Engine& e) { e.scatter(which, rows, values); });
+  }
   bool reserve(const std::string& kind, int count) override {
     return b_.engine->reserve(kind, count) && a_.engine->reserve(kind, count);
   }
@@ -69,6 +71,24 @@ class LockstepEngine final : public Engine {
     both([&](Engine& e) { e.restore(snapshot); });
   }
 
+  BatchEngine* batch() override { return a_.engine->batch() && b_.engine->batch() ? this : nullptr; }
+  void setLayout(std::span<const WorldLayout> worlds, std::span<const int> spare) override {
+    both([&](Engine& e) { e.batch()->setLayout(worlds, spare); });
+  }
+  const WorldSettings& settingsOf(int world) const override { return a_.engine->batch()->settingsOf(world); }
+  void setSettings(int world, const WorldSettings& settings) override {
+    const WorldSettings own = settings;  // a reference to those of the first engine may be given
+    both([&](Engine& e) { e.batch()->setSettings(world, own); });
+  }
+  void stepWorlds(StepReport& report, std::span<const char> paused) override {
+    stepBoth(report, [&](Engine& e, StepReport& own) { e.batch()->stepWorlds(own, paused); });
+  }
+  const TableReader& readWorld(int world) override { return a_.engine->batch()->readWorld(world); }
+  std::vector<std::byte> takeWorld(int world) override { return a_.engine->batch()->takeWorld(world); }
+  void putWorlds(std::span<const int> worlds, std::span<const std::span<const std::byte>> states) override {
+    both([&](Engine& e) { e.batch()->putWorlds(worlds, states); });
+  }
+
  private:
   /// One of the two engines, and its present kernel.
   struct Side {
@@ -76,19 +96,39 @@ class LockstepEngine final : public Engine {
     std::string stage = "", kernel = "", nextStage = "";
     bool ended = false;  ///< its thread has finished this step
     std::exception_ptr error = nullptr;
-    std::vector<std::vector<std::byte>> left = {};  ///< tables when the present stage began, by number
+    /// Tables when the present stage began, one behind the other. Empty if there was no memory for them.
+    std::vector<std::byte> left = {};
+    std::vector<std::size_t> ends = {};  ///< of each of them
 
     void keep() {
       const HostTables& tables = engine->tablesNow();
-      left.clear();
+      try {
+        std::size_t size = 0;
+        ends.clear();
+        forEachArray(
+            [&]<class T>(const ArrayInfo<T>& array) { ends.push_back(size += roomOf(tables, array)); });
+        left.resize(size);
+      } catch (const std::bad_alloc&) {
+        left.clear();
+        return;
+      }
+      auto end = ends.begin();
       forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-        const T* const p = tables.view().*array.member;
-        const auto* const bytes = reinterpret_cast<const std::byte*>(p);
-        const auto room = static_cast<std::size_t>(tables.capacity(array.per));
-        left.emplace_back(bytes, bytes + (p ? room * sizeof(T) : 0));
+        const std::size_t room = roomOf(tables, array);
+        std::memcpy(left.data() + (*end++ - room), static_cast<const void*>(tables.view().*array.member),
+                    room);
       });
     }
+    /// The table of a number.
+    std::span<const std::byte> before(std::size_t number) const {
+      const std::size_t begin = number > 0 ? ends[number - 1] : 0;
+      return std::span(left).subspan(begin, ends[number] - begin);
+    }
   };
+  /// Memory of a table [bytes].
+  template <class T> static std::size_t roomOf(const HostTables& tables, const ArrayInfo<T>& array) {
+    return tables.view().*array.member ? static_cast<std::size_t>(tables.capacity(array.per)) * sizeof(T) : 0;
+  }
   struct Compare {
     LockstepEngine* pair;
     void operator()() const noexcept { pair->meet(); }
@@ -96,7 +136,22 @@ class LockstepEngine final : public Engine {
 
   template <class F> void both(F&& f) { f(*a_.engine), f(*b_.engine); }
 
-  void run(Side& side, StepReport& report) {
+  /// take(engine, report) takes a step.
+  template <class Take> void stepBoth(StepReport& report, const Take& take) {
+    step_ = report.step;
+    a_.ended = b_.ended = false;
+    a_.keep(), b_.keep();
+    meeting_.emplace(2, Compare{this});
+    StepReport otherReport = report;
+    std::thread other([&] { run(b_, otherReport, take); });
+    run(a_, report, take);
+    other.join();
+    report.difference = difference_;
+    for (const Side* side : {&a_, &b_})
+      if (side->error) std::rethrow_exception(side->error);
+  }
+
+  template <class Take> void run(Side& side, StepReport& report, const Take& take) {
     side.stage.clear(), side.error = nullptr;
     side.engine->observe([this, &side](std::string_view stage, std::string_view kernel) {
       side.nextStage = stage;
@@ -104,7 +159,7 @@ class LockstepEngine final : public Engine {
       side.stage = stage, side.kernel = kernel;
     });
     try {
-      side.engine->step(report);
+      take(*side.engine, report);
     } catch (...) {
       side.error = std::current_exception();
     }
@@ -141,7 +196,8 @@ class LockstepEngine final : public Engine {
       if (!p || !q || std::memcmp(p, q, n * sizeof(T)) == 0) return;
       const std::string& kernel = firstKernel_.try_emplace(array.name, a_.kernel).first->second;
       if (!stageEnds) return;
-      const std::vector<std::byte>&ofA = a_.left[table], &ofB = b_.left[table];
+      if (a_.left.empty() || b_.left.empty()) return;
+      const std::span<const std::byte> ofA = a_.before(table), ofB = b_.before(table);
       for (std::size_t i = 0; i < n && difference_.empty(); ++i)
         if (std::memcmp(p + i, q + i, sizeof(T)) != 0 && (!isLeft(ofA, i, p[i]) || !isLeft(ofB, i, q[i])))
           difference_ = place(kernel) + ", table " + array.name + ", element " + std::to_string(i);
@@ -151,7 +207,7 @@ class LockstepEngine final : public Engine {
     a_.keep(), b_.keep();
   }
   /// Has nothing written element i since the stage began? Memory that a table has grown by is zero.
-  template <class T> static bool isLeft(const std::vector<std::byte>& before, std::size_t i, const T& now) {
+  template <class T> static bool isLeft(std::span<const std::byte> before, std::size_t i, const T& now) {
     const auto* const bytes = reinterpret_cast<const std::byte*>(&now);
     if ((i + 1) * sizeof(T) <= before.size())
       return std::memcmp(&before[i * sizeof(T)], bytes, sizeof(T)) == 0;

@@ -1,0 +1,193 @@
+/// Arrays over all worlds, and rays in them.
+#include <algorithm>
+#include <cstring>
+
+#include "cook/checks.h"
+#include "world/worlds_impl.h"
+
+namespace rubble {
+
+ArrayView Worlds::Impl::gather(auto which, std::vector<std::byte>& to) {
+  std::vector<ArrayView> views(batches.size());
+  forEachBatch([&](std::size_t k) {
+    if constexpr (std::is_same_v<decltype(which), StateArray>)
+      flush(k);
+    else
+      sendJointRows(k);
+    views[k] = batches[k]->engine().array(which);
+  });
+  if (!views.empty() && views.front().device) return views.front();
+  ArrayView all;
+  to.clear();
+  for (const ArrayView& view : views) {
+    const auto* from = static_cast<const std::byte*>(view.data);
+    to.insert(to.end(), from, from + view.shape[0] * view.strides[0]);
+    const std::int64_t rows = all.shape[0] + view.shape[0];
+    all = view;
+    all.shape[0] = rows;
+  }
+  all.data = to.data();
+  return all;
+}
+
+void Worlds::Impl::scatter(auto which, const std::vector<int>& begin, const ArrayView& rows,
+                           const ArrayView& values) {
+  if (rows.shape[0] == 0 || batches.empty()) return;
+  if (values.device && !batches[0]->engine().poseCopies())
+    throw Error("values", "host memory", "memory of a device");
+  if (batches.size() == 1) return batches[0]->engine().scatter(which, rows, values);
+  struct Part {
+    std::vector<int> rows;
+    std::vector<std::int64_t> from;  ///< rows of `values`
+  };
+  std::vector<Part> parts(batches.size());
+  for (std::int64_t k = 0; k < rows.shape[0]; ++k) {
+    int row;
+    std::memcpy(&row, static_cast<const std::byte*>(rows.data) + k * rows.strides[0], sizeof row);
+    if (row < 0 || row >= begin.back()) continue;
+    const auto batch = static_cast<std::size_t>(std::ranges::upper_bound(begin, row) - begin.begin() - 1);
+    parts[batch].rows.push_back(row - begin[batch]), parts[batch].from.push_back(k);
+  }
+  forEachBatch([&](std::size_t k) {
+    if (parts[k].rows.empty()) return;
+    const auto n = static_cast<std::int64_t>(parts[k].rows.size());
+    const auto row = static_cast<std::size_t>(values.strides[1] * values.shape[1]);
+    std::vector<std::byte> own(static_cast<std::size_t>(n) * row);
+    for (std::int64_t i = 0; i < n; ++i)
+      std::memcpy(own.data() + static_cast<std::size_t>(i) * row,
+                  static_cast<const std::byte*>(values.data) +
+                      parts[k].from[static_cast<std::size_t>(i)] * values.strides[0],
+                  row);
+    ArrayView ownRows = rows, ownValues = values;
+    ownRows.data = parts[k].rows.data(), ownRows.strides[0] = sizeof(int);
+    ownValues.data = own.data(), ownValues.strides[0] = static_cast<std::int64_t>(row);
+    ownRows.shape[0] = ownValues.shape[0] = n;
+    batches[k]->engine().scatter(which, ownRows, ownValues);
+  });
+}
+
+int Worlds::firstRow(int world) const {
+  impl_->requireWorld(world);
+  int rows = 0;
+  for (int k = 0; k < world / impl_->perBatch; ++k)
+    rows += impl_->batches[static_cast<std::size_t>(k)]->rows();
+  const std::vector<int>& own = impl_->batchOf(world).rowsOf(world % impl_->perBatch);
+  return own.empty() ? rows : rows + own.front();
+}
+
+std::vector<int> Worlds::rowsOf(int world) const {
+  const int first = firstRow(world);
+  std::vector<int> rows = impl_->batchOf(world).rowsOf(world % impl_->perBatch);
+  const int shift = rows.empty() ? 0 : first - rows.front();
+  for (int& row : rows) row += shift;
+  return rows;
+}
+
+ArrayView Worlds::array(StateArray which) const {
+  checks::enumeration(which, StateArray::Torque, "array");
+  return impl_->gather(which, impl_->arrays[static_cast<int>(which)]);
+}
+
+void Worlds::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
+  checkScatter(which, rows, values);
+  std::vector<int> begin{0};
+  for (const std::shared_ptr<Batch>& batch : impl_->batches) begin.push_back(begin.back() + batch->rows());
+  impl_->forEachBatch([&](std::size_t k) { impl_->flush(k); });
+  impl_->scatter(which, begin, rows, values);
+}
+
+int Worlds::firstAxis(int world) const {
+  impl_->requireWorld(world);
+  const int own = world / impl_->perBatch;
+  int rows = 0;
+  for (int k = 0; k <= own; ++k) {
+    const Batch& batch = *impl_->batches[static_cast<std::size_t>(k)];
+    impl_->sendJointRows(static_cast<std::size_t>(k));
+    rows += batch.firstAxis(k < own ? batch.count() : world % impl_->perBatch);
+  }
+  return rows;
+}
+
+ArrayView Worlds::array(JointArray which) const {
+  checks::enumeration(which, JointArray::AppliedForce, "array");
+  if (which == JointArray::AppliedForce) throw Error("array", "an array that can be read", "another");
+  return impl_->gather(which, impl_->axes[static_cast<int>(which)]);
+}
+
+ArrayView Worlds::array(SensorArray which) const {
+  checks::enumeration(which, SensorArray::JointTorque, "array");
+  return impl_->gather(which, impl_->sensors[static_cast<int>(which)]);
+}
+
+void Worlds::scatter(JointArray which, const ArrayView& rows, const ArrayView& values) {
+  checkScatter(which, rows, values);
+  impl_->forEachBatch([&](std::size_t k) { impl_->sendJointRows(k); });
+  std::vector<int> begin{0};
+  for (const std::shared_ptr<Batch>& batch : impl_->batches)
+    begin.push_back(begin.back() + batch->firstAxis(batch->count()));
+  impl_->scatter(which, begin, rows, values);
+}
+
+ArrayView Worlds::contactForces(std::span<const std::array<int, 2>> rows) const {
+  std::vector<int> begin{0};
+  for (const std::shared_ptr<Batch>& batch : impl_->batches) begin.push_back(begin.back() + batch->rows());
+  std::vector<std::vector<std::array<int, 2>>> pairs(impl_->batches.size());
+  std::vector<std::vector<std::size_t>> from(pairs.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const auto [a, b] = rows[k];
+    if (a < 0 || b < 0 || a >= begin.back() || b >= begin.back())
+      throw Error("rows", "rows below " + std::to_string(begin.back()), std::to_string(std::max(a, b)));
+    const auto batch = static_cast<std::size_t>(std::ranges::upper_bound(begin, a) - begin.begin() - 1);
+    if (b < begin[batch] || b >= begin[batch + 1]) throw Error("rows", "two bodies of one world", "of two");
+    pairs[batch].push_back({a - begin[batch], b - begin[batch]});
+    from[batch].push_back(k);
+  }
+  std::vector<ArrayView> views(pairs.size());
+  impl_->forEachBatch([&](std::size_t k) {
+    if (pairs[k].empty()) return;
+    impl_->flush(k);
+    views[k] = impl_->batches[k]->engine().contactForces(pairs[k]);
+  });
+  if (views.size() == 1) return views[0];
+  ArrayView all;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    if (pairs[k].empty()) continue;
+    const auto row = static_cast<std::size_t>(views[k].strides[0]);
+    all = views[k];
+    impl_->pairForces.resize(rows.size() * row);
+    for (std::size_t i = 0; i < from[k].size(); ++i)
+      std::memcpy(impl_->pairForces.data() + from[k][i] * row,
+                  static_cast<const std::byte*>(views[k].data) + i * row, row);
+  }
+  all.data = impl_->pairForces.data(), all.shape[0] = static_cast<std::int64_t>(rows.size());
+  return all;
+}
+
+std::vector<RayHit> Worlds::castRays(std::span<const WorldRay> rays) {
+  std::vector<RayHit> out(rays.size());
+  std::vector<std::vector<std::size_t>> ofBatch(impl_->batches.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    impl_->requireWorld(rays[i].world);
+    checkRay(rays[i].ray, i);
+    ofBatch[static_cast<std::size_t>(rays[i].world / impl_->perBatch)].push_back(i);
+  }
+  impl_->forEachBatch([&](std::size_t k) {
+    if (ofBatch[k].empty()) return;
+    impl_->flush(k);
+    Engine& engine = impl_->batches[k]->engine();
+    const std::span<EngineQuery> queries = engine.queryRoom(ofBatch[k].size());
+    for (std::size_t q = 0; q < queries.size(); ++q) {
+      const auto& [world, ray] = rays[ofBatch[k][q]];
+      queries[q] = queryOf(ray, impl_->at(world).registry);
+      queries[q].world = world % impl_->perBatch;
+    }
+    const std::span<const EngineHit> hits = engine.hits({QueryKind::Ray, queries, {}});
+    for (std::size_t q = 0; q < queries.size(); ++q) {
+      const std::size_t i = ofBatch[k][q];
+      out[i] = hitOf(hits[q], rays[i].ray, impl_->at(rays[i].world).registry);
+    }
+  });
+  return out;
+}
+
+}  // namespace rubble

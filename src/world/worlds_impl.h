@@ -1,0 +1,79 @@
+#pragma once
+/// Batches of worlds, and the threads that step them.
+#include <deque>
+#include <limits>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <rubble/worlds.h>
+
+#include "world/batch.h"
+#include "world/world_impl.h"
+
+namespace rubble {
+
+/// Worlds of one engine. On a CPU they step in the caches of one core; a device steps all of them at once.
+inline int worldsPerEngine(const std::string& backend) {
+  constexpr int kOnCpu = 32;
+  return backend == "cuda" || backend == "lockstep-cuda" ? std::numeric_limits<int>::max() : kOnCpu;
+}
+
+struct Worlds::Impl {
+  explicit Impl(const WorldOptions& given)
+      : options(given),
+        perBatch(worldsPerEngine(given.backend)),
+        arena(given.threads > 0 ? given.threads : tbb::task_arena::automatic) {
+    options.threads = 1;
+  }
+
+  WorldOptions options;
+  int perBatch;  ///< most worlds of a batch
+  tbb::task_arena arena;
+  std::vector<std::shared_ptr<Batch>> batches;
+  std::deque<World> worlds;  ///< references stay valid
+  std::shared_ptr<std::vector<CookedEntry>> cooked = std::make_shared<std::vector<CookedEntry>>();
+  std::shared_ptr<const int> family = std::make_shared<const int>();
+  // of all batches
+  std::vector<std::byte> arrays[static_cast<int>(StateArray::Torque) + 1],
+      axes[static_cast<int>(JointArray::AppliedForce) + 1],
+      sensors[static_cast<int>(SensorArray::JointTorque) + 1], pairForces;
+
+  int count() const { return static_cast<int>(worlds.size()); }
+  void requireWorld(int world) const {
+    if (world < 0 || world >= count())
+      throw Error("world", "a number below " + std::to_string(count()), std::to_string(world));
+  }
+  Batch& batchOf(int world) { return *batches[static_cast<std::size_t>(world / perBatch)]; }
+  World::Impl& at(int world) { return *worlds[static_cast<std::size_t>(world)].impl_; }
+  /// f(k) for each of the batches, in parallel.
+  template <class F> void forEachBatch(F&& f) {
+    arena.execute([&] { tbb::parallel_for(std::size_t{0}, batches.size(), f, tbb::simple_partitioner{}); });
+  }
+  /// Sends edits of the worlds of a batch to its engine, and what the rows of its joint arrays are.
+  void sendJointRows(std::size_t batch) {
+    flush(batch);
+    const int first = static_cast<int>(batch) * perBatch;
+    for (int w = first; w < first + batches[batch]->count(); ++w) at(w).sendJointRows();
+    batches[batch]->sendJointRows();
+  }
+  /// Sends edits of the worlds of a batch to its engine.
+  void flush(std::size_t batch) {
+    const int first = static_cast<int>(batch) * perBatch;
+    for (int w = first; w < first + batches[batch]->count(); ++w) at(w).flush();
+    batches[batch]->flush();
+  }
+  std::shared_ptr<Batch> batchForNext() {
+    if (count() % perBatch == 0)
+      batches.push_back(std::make_shared<Batch>(makeEngine(options), options.params, family));
+    return batches.back();
+  }
+  /// Steps of the worlds of a batch that are active; no world: all are.
+  WorldsReport step(std::size_t batch, int steps, std::span<const char> active);
+  /// The arrays of all batches as one: a copy, unless they are on a device.
+  ArrayView gather(auto which, std::vector<std::byte>& to);
+  /// Writes to the rows of each batch. `begin`: [batches + 1] first row of each.
+  void scatter(auto which, const std::vector<int>& begin, const ArrayView& rows, const ArrayView& values);
+};
+
+}  // namespace rubble
