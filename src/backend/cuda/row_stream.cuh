@@ -157,7 +157,8 @@ template <int kWidth, int kQuads> class RowStream {
     const ContactRows& r = staged.rows();
     const bool onA = constraintSide(e.code) == 0;
     const Displacement other = e.other >= 0 ? staged.other() : s_.dx[onA ? r.b : r.a];
-    accumulateContact<Real>(s_.plan.coneHessian, r, onA, onA ? own : other, onA ? other : own, quad_.lane, sum);
+    accumulateContact<Real>(s_.plan.coneHessian, r, onA, onA ? own : other, onA ? other : own, quad_.lane,
+                            sum);
   }
 
   const SolverData& s_;

@@ -115,8 +115,9 @@ class LockstepEngine final : public Engine, public BatchEngine {
       auto end = ends.begin();
       forEachArray([&]<class T>(const ArrayInfo<T>& array) {
         const std::size_t room = roomOf(tables, array);
-        std::memcpy(left.data() + (*end++ - room), static_cast<const void*>(tables.view().*array.member),
-                    room);
+        const std::size_t begin = *end++ - room;
+        if (room > 0)
+          std::memcpy(left.data() + begin, static_cast<const void*>(tables.view().*array.member), room);
       });
     }
     /// The table of a number.

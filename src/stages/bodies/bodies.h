@@ -207,8 +207,8 @@ template <class L>
 RUBBLE_HD void addContact(const SolverData& s, std::uint32_t code, int lane, Block6T<L>& points,
                           Real weight = 1) {
   const ContactRows& r = s.contact[constraintIndex(code)];
-  accumulateContact<L>(s.plan.coneHessian, r, constraintSide(code) == 0, s.dx[r.a], s.dx[r.b], lane, points, {0, 0, 0},
-                       weight);
+  accumulateContact<L>(s.plan.coneHessian, r, constraintSide(code) == 0, s.dx[r.a], s.dx[r.b], lane, points,
+                       {0, 0, 0}, weight);
 }
 
 /// Sums over contacts, separately per contact point, so that the order of additions does not depend on L.
