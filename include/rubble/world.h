@@ -14,6 +14,7 @@
 #include <rubble/log.h>
 #include <rubble/params.h>
 #include <rubble/query.h>
+#include <rubble/ranks.h>
 #include <rubble/report.h>
 #include <rubble/scene.h>
 
@@ -69,9 +70,11 @@ struct VertexContact {
 };
 
 struct WorldOptions {
-  /// "cpu", "reference" (double precision), "lockstep", or another name that backends() returns.
+  /// "cpu", "reference" (double precision), "distributed", "lockstep", or another name that backends()
+  /// returns.
   std::string backend = "cpu";
-  int threads = 0;  ///< 0: one per core
+  int threads = 0;    ///< 0: one per core
+  RankOptions ranks;  ///< distributed only
   Params params;
   bool timings = true;  ///< measure stage times
   /// Collect the events of each step. On a GPU this copies its contacts to the host.

@@ -14,6 +14,8 @@ namespace rubble {
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings);
   if (options.backend == "reference") return f64::makeCpuEngine(options.threads, options.timings);
+  if (options.backend == "distributed")
+    return f32::makeDistributedEngine(options.ranks, options.threads, options.timings);
   if (options.backend == "lockstep")
     return f32::makeLockstepEngine(f32::makeCpuEngine(1, options.timings),
                                    f32::makeCpuEngine(options.threads, false));
@@ -36,7 +38,7 @@ void validate(const WorldOptions& options) {
 }
 
 std::vector<std::string> backends() {
-  std::vector<std::string> names = {"cpu", "reference", "lockstep"};
+  std::vector<std::string> names = {"cpu", "reference", "distributed", "lockstep"};
   if (cudaReady()) names.insert(names.end(), {"cuda", "lockstep-cuda"});
   return names;
 }
