@@ -128,7 +128,15 @@ TEST_P(ScenesOnRanks, HaveTheBitsOfOne) {
                 .differenceOf(make, onRanks(options, sample.ranks, sample.cutInterval)),
             "");
 }
-INSTANTIATE_TEST_SUITE_P(Samples, ScenesOnRanks, ::testing::Values(Sample{"pile-1k", 8, 3, 2}),
+INSTANTIATE_TEST_SUITE_P(Samples, ScenesOnRanks,
+                         ::testing::Values(Sample{"pile-1k", 10, 3, 2}, Sample{"gables", 8, 7, 3},
+                                           Sample{"ring-5k", 8, 4, 0}, Sample{"chains", 8, 3, 2},
+                                           Sample{"ragdolls", 8, 4, 3}, Sample{"gear-train", 10, 2, 2},
+                                           Sample{"break-row", 10, 3, 4}, Sample{"bounce-ladder", 12, 3, 2},
+                                           Sample{"bullet-plate", 12, 2, 1}, Sample{"tumbler", 8, 3, 2},
+                                           Sample{"rolling", 8, 2, 3}, Sample{"every-shape", 8, 3, 2},
+                                           Sample{"sleepers", 40, 3, 6}, Sample{"soft-blocks", 6, 3, 2},
+                                           Sample{"mixed-trampoline", 6, 4, 2}),
                          [](const auto& info) {
                            std::string name = info.param.scene;
                            std::erase_if(name, [](unsigned char c) { return !std::isalnum(c); });
@@ -148,9 +156,37 @@ TEST(Ranks, KeepTheBitsThroughEdits) {
       world->step();
     }
     ASSERT_EQ(positionHash(one), positionHash(team)) << i;
-    if (i % 5 == 4) ASSERT_EQ(differences(one, team), "") << i;
+    if (i % 5 == 4) {
+      ASSERT_EQ(differences(one, team), "") << i;
+    }
   }
   EXPECT_EQ(one.hash(), team.hash());
+}
+
+TEST(Ranks, GoOnFromTheBytesOfAState) {
+  World whole(test::heap(4), test::options(4)), part(test::heap(4), onRanks(test::options(4), 3, 2));
+  test::run(whole, 30), test::run(part, 20);
+  const std::vector<std::byte> state = part.stateBytes();
+  EXPECT_EQ(stepsOfState(state), 20);
+  for (const int ranks : {0, 2, 5}) {
+    World rest(test::heap(4), ranks > 0 ? onRanks(test::options(4), ranks) : test::options(4));
+    rest.setStateBytes(state);
+    EXPECT_EQ(rest.stepCount(), 20);
+    test::run(rest, 10);
+    EXPECT_EQ(rest.hash(), whole.hash()) << ranks;
+  }
+}
+
+TEST(Ranks, RefuseTheBytesOfAnotherWorldAndDamagedOnes) {
+  World world(test::heap(2), test::options(4)), other(test::heap(3), test::options(4)),
+      exact(test::heap(2), test::options(4, "reference"));
+  std::vector<std::byte> state = world.stateBytes();
+  EXPECT_THROW(other.setStateBytes(state), Error);
+  EXPECT_THROW(exact.setStateBytes(state), Error);
+  EXPECT_THROW(world.setStateBytes(std::span(state).first(state.size() - 1)), Error);
+  EXPECT_THROW(stepsOfState(std::span(state).first(20)), Error);
+  state[state.size() / 2] ^= std::byte{1};
+  EXPECT_THROW(world.setStateBytes(state), Error);
 }
 
 TEST(Ranks, TakeSnapshotsOfOneAnother) {

@@ -17,7 +17,9 @@ enum class Cut {
   Bodies,           ///< its bodies
   Slices,           ///< its slices, of all levels
   LevelSlices,      ///< its slices of one level
-  LevelAggregates,  ///< aggregates of one level with a body that the rank sees
+  SeenAggregates,   ///< aggregates that move a body which the rank sees
+  LevelAggregates,  ///< the same, of one level
+  SeenSlices,       ///< their slices
   LevelMoves,       ///< slices of one level with such a body
   Joints,           ///< joints that the rank evaluates, by parts
   OwnJoints,        ///< joints of its bodies, by parts
@@ -35,6 +37,7 @@ enum class Share {
   Rows,        ///< `rowBodies` and `joinLevel` of all rows
   SliceSums,   ///< sums of the slices of a level, to the ranks that see a body of their aggregates
   ColorPoses,  ///< poses of the bodies of a color, to the ranks that see them
+  NodePoses,   ///< poses of other bodies of slices, to the ranks that own the slices
   TreePoses,   ///< poses of the bodies of joint trees, likewise
   Motion,      ///< displacements of all bodies at the end of the iterations
   Breaks,      ///< the joints that broke
@@ -77,8 +80,8 @@ template <Cut kC, Share kB = Share::None, Share kA = Share::None, int kW = 0> st
   static constexpr Share kBefore = kB, kAfter = kA;
   template <class Kernel> static int which(const Kernel&) { return kW; }
 };
-template <Cut kC, class F, Share kA = Share::None>
-using DividedJoints = DividedBy<kC, Share::None, kA, typeIndex<F>(JointTypes{})>;
+template <Cut kC, class F, Share kB = Share::None>
+using DividedJoints = DividedBy<kC, kB, Share::None, typeIndex<F>(JointTypes{})>;
 struct DividedLevel : DividedBy<Cut::LevelNodes> {
   template <class Kernel> static int which(const InLevel<Kernel>& kernel) { return kernel.begin; }
 };
@@ -92,13 +95,14 @@ template <> struct Divided<TestPairs> : DividedBy<Cut::Tested> {};
 template <> struct Divided<TestGeneralPairs> : DividedBy<Cut::Tested> {};
 template <> struct Divided<BuildRolling> : DividedBy<Cut::ActivePairs> {};
 template <> struct Divided<BuildContactRows> : DividedBy<Cut::ActivePairs, Share::None, Share::Rows> {};
-template <class L> struct Divided<UpdateContactDuals<L>> : DividedBy<Cut::Rows> {};
+template <class L> struct Divided<UpdateContactDuals<L>> : DividedBy<Cut::Rows, Share::NodePoses> {};
 template <> struct Divided<UpdateRollingDuals> : DividedBy<Cut::Rows> {};
 template <class L> struct Divided<FinishContacts<L>> : DividedBy<Cut::OwnRows> {};
 template <> struct Divided<FindCorrections> : DividedBy<Cut::Bodies, Share::None, Share::Motion> {};
 // joints and joint trees
-template <class F> struct Divided<LinearizeAngularRows<F>> : DividedJoints<Cut::Joints, F> {};
-template <class F> struct Divided<UpdateJointDuals<F>> : DividedJoints<Cut::Joints, F> {};
+template <class F>
+struct Divided<LinearizeAngularRows<F>> : DividedJoints<Cut::Joints, F, Share::NodePoses> {};
+template <class F> struct Divided<UpdateJointDuals<F>> : DividedJoints<Cut::Joints, F, Share::NodePoses> {};
 template <class F> struct Divided<FinishJoints<F>> : DividedJoints<Cut::OwnJoints, F> {};
 template <class F> struct Divided<FindTreeRows<F>> : DividedJoints<Cut::OwnJoints, F> {};
 template <class F> struct Divided<TakeTreeForces<F>> : DividedJoints<Cut::OwnJoints, F> {};
@@ -112,10 +116,12 @@ template <> struct Divided<InLevel<MoveTrees>> : DividedLevel {
   static constexpr Share kAfter = Share::TreePoses;
 };
 // aggregates
+template <> struct Divided<SumInertia> : DividedBy<Cut::SeenSlices> {};
+template <> struct Divided<PlaceAggregates> : DividedBy<Cut::SeenAggregates> {};
 template <> struct Divided<CountBoundary> : DividedBy<Cut::Slices> {};
 template <> struct Divided<FillBoundary> : DividedBy<Cut::Slices> {};
 template <class L>
-struct Divided<SumSlice<L>> : DividedBy<Cut::LevelSlices, Share::None, Share::SliceSums> {};
+struct Divided<SumSlice<L>> : DividedBy<Cut::LevelSlices, Share::NodePoses, Share::SliceSums> {};
 template <> struct Divided<SolveAggregate> : DividedBy<Cut::LevelAggregates> {};
 template <> struct Divided<MoveSlice> : DividedBy<Cut::LevelMoves> {};
 template <class Stage> struct Divided<WithSoftNodes<Stage>> : Divided<Stage> {};

@@ -46,6 +46,10 @@ Division::Part RankDivision::planned(Cut cut, int n, int which) {
       return slices_.part();
     case Cut::LevelSlices:
       return levelSlices_[which].part();
+    case Cut::SeenAggregates:
+      return all(seenAggregates_);
+    case Cut::SeenSlices:
+      return all(seenSlices_);
     case Cut::LevelAggregates:
       return aggregates_[which].part();
     case Cut::LevelMoves:
@@ -107,9 +111,14 @@ void RankDivision::share(Share what, int which) {
     case Share::SliceSums:
       // one array of sums would be shorter, but slices are few
       return courier_.swap(sliceSums_[std::size_t(which)], &s.slice[0]);
+    case Share::NodePoses:
+      if (!std::exchange(nodesMoved_, false)) return;
+      return courier_.swap(nodePoses_, &s.dx[0], &s.dq[0]);
     case Share::ColorPoses:
+      nodesMoved_ = true;
       return courier_.swap(colorPoses_[std::size_t(which)], &s.dx[0], &s.dq[0]);
     case Share::TreePoses:
+      nodesMoved_ = true;
       return courier_.swap(treePoses_, &s.dx[0], &s.dq[0]);
     case Share::Motion:
       return courier_.gather(bodies_, &s.dx[0], &s.dq[0], &s.nextCorrection[0], &s.fast[0]);

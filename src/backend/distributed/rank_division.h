@@ -44,7 +44,12 @@ class RankDivision final : public Division {
  private:
   static constexpr int kTypes = JointTypes::kSize;
   /// What a rank has to do with a body.
-  enum Seen : std::uint8_t { kUnseen, kOwn, kNode, kGhost };
+  enum Seen : std::uint8_t {
+    kUnseen,
+    kOwn,
+    kNode,  ///< of another rank; only aggregates and their constraints need its pose
+    kGhost  ///< of another rank; constraints of own bodies need its pose
+  };
   /// Joints of one type.
   struct JointParts {
     std::vector<int> rank;           ///< by joint
@@ -84,6 +89,7 @@ class RankDivision final : public Division {
   // rank_owners.cpp: the beginning of a step
   void beginStep();
   bool needsCut();
+  std::uint64_t cellOnCurve(int body) const;
   void cutBodies();
   void findOwners();
   void shareDeformables();
@@ -97,7 +103,7 @@ class RankDivision final : public Division {
   void findOwn();
   void findSlices();
   void findConstraints(RankLists& rows, std::vector<RankLists>& joints);
-  void findGhosts(RankLists& bodies);
+  void findGhosts(RankLists& ghosts, RankLists& nodes);
   void findAggregates(RankLists& slices);
   void listColors();
   void listTrees();
@@ -141,13 +147,15 @@ class RankDivision final : public Division {
   RankLists bodies_;  ///< moving bodies of each rank, without those that every rank solves
   std::vector<std::uint8_t> seen_;
   RankPart own_;
-  std::vector<int> nodes_, ghosts_;  ///< other bodies of own slices; bodies that constraints of both touch
+  std::vector<int> nodes_, ghosts_;  ///< kNode and kGhost
   std::vector<int> sliceOwner_;
   std::vector<int> extraRows_, ownRows_, rows_;
   RankPart slices_, levelSlices_[kCoarseLevels], aggregates_[kCoarseLevels], moving_[kCoarseLevels];
   std::vector<RankPart> colors_;
   std::vector<RankTraffic> colorPoses_, sliceSums_;
-  RankTraffic treePoses_;
+  RankTraffic treePoses_, nodePoses_;
+  bool nodesMoved_ = false;  ///< since the last exchange of their poses
+  std::vector<int> seenAggregates_, seenSlices_;
   std::vector<int> treeNodes_, smallTrees_, scratch_, others_;
   std::vector<RankReport> reports_;
 };

@@ -1,6 +1,6 @@
 // The beginning of a step: who owns the bodies, pairs and joints, and the state that new owners need.
 #include <algorithm>
-#include <numeric>
+#include <bit>
 
 #include "backend/distributed/rank_division.h"
 #include "backend/distributed/rank_ends.h"
@@ -15,6 +15,8 @@ namespace {
 constexpr int kLeastPause = 8, kMostPause = 1024;
 /// Cost of a body without contacts, in contacts.
 constexpr int kBodyCost = 2;
+/// Deviation of the cost of a part that a cut between larger cells may cause [1].
+constexpr double kCutSlack = .06;
 
 }  // namespace
 
@@ -40,7 +42,26 @@ bool RankDivision::needsCut() {
   return imbalance_ > options_.maxImbalance && sinceCut_ >= std::max(kLeastPause, cutPause_);
 }
 
-/// Cuts the curve through all bodies into parts of equal cost. A joint tree has one place on the curve.
+/// Cell of a body on a Morton curve through the cells of aggregates (stages/coarse/cells.h): these are nested
+/// blocks of the curve at every level. Bodies without a position come last.
+std::uint64_t RankDivision::cellOnCurve(int i) const {
+  const SolverData& s = data();
+  if (!hasPlace(s, i)) return ~std::uint64_t{0};
+  // the cells of one exponent lie off those of the next finer one by 1 and 0 in turn
+  constexpr double kShift = 1. / 3;
+  constexpr std::uint64_t kOffset = 0x155555, kMost = 0x1fffff;
+  static_assert(kCurveCell == 16, "an even exponent, for this shift");
+  const double perEdge = s.stepOf(i).perFall / kCurveCell;
+  const auto cell = [&](double x) {
+    const double place = std::floor(x * perEdge + kShift) + static_cast<double>(kOffset);
+    return spreadBits(static_cast<std::uint64_t>(std::clamp(place, 0., static_cast<double>(kMost))));
+  };
+  const Vec3d& x = s.position[i];
+  return cell(x.x) | cell(x.y) << 1 | cell(x.z) << 2;
+}
+
+/// Cuts the curve through all bodies into parts of equal cost, up to a few percent, where it crosses between
+/// the largest cells. A joint tree has one place on the curve.
 void RankDivision::cutBodies() {
   const SolverData& s = data();
   const std::size_t bodies = static_cast<std::size_t>(s.bodies);
@@ -48,34 +69,41 @@ void RankDivision::cutBodies() {
     const int node = s.treeNodes > 0 ? s.nodeOfBody[i] : -1;
     return node >= 0 ? s.treeNode[s.treeNode[node].tree].body : static_cast<int>(i);
   };
-  std::vector<std::uint64_t> key(bodies);
-  std::vector<std::int64_t> cost(bodies, 0);
+  struct Place {
+    std::uint64_t key;
+    std::int64_t cost;  ///< then of all before it
+  };
+  std::vector<Place> places(bodies);
   for (std::size_t i = 0; i < bodies; ++i) {
-    key[i] = placeOnCurve(s, bodyOf(i));
-    if (s.params[i].kind != BodyKind::Dynamic) continue;
-    const int contacts = isCut_ && !isAsleep(s, static_cast<int>(i))
-                             ? s.incidenceOffset[i + 1] - s.incidenceOffset[i]
-                             : 0;
-    cost[i] = kBodyCost + std::max(contacts, 0);
-  }
-  std::vector<int> order(bodies);
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, [&](int a, int b) {
-    const std::uint64_t ka = key[std::size_t(a)], kb = key[std::size_t(b)];
-    return ka != kb ? ka < kb : a < b;
-  });
-  const std::int64_t all = std::accumulate(cost.begin(), cost.end(), std::int64_t{0});
-  cutKey_.assign(static_cast<std::size_t>(ranks() - 1), ~std::uint64_t{0});
-  std::int64_t sum = 0;
-  std::size_t rank = 0;
-  for (const int i : order) {
-    // bodies of one place stay together
-    while (rank < cutKey_.size() && sum * ranks() >= all * static_cast<std::int64_t>(rank + 1) && all > 0)
-      cutKey_[rank++] = key[std::size_t(i)];
-    sum += cost[std::size_t(i)];
+    const bool moves = s.params[i].kind == BodyKind::Dynamic;
+    const int rows = isCut_ && moves && !isAsleep(s, static_cast<int>(i))
+                         ? s.incidenceOffset[i + 1] - s.incidenceOffset[i]
+                         : 0;
+    places[i] = {cellOnCurve(bodyOf(i)), moves ? kBodyCost + rows : 0};
   }
   isCut_ = true, sinceCut_ = 0;
   home_.clear();
+  cutKey_.assign(static_cast<std::size_t>(ranks() - 1), ~std::uint64_t{0});
+  if (places.empty()) return;
+  std::ranges::sort(places, {}, &Place::key);
+  std::int64_t all = 0;
+  for (Place& place : places) all += std::exchange(place.cost, all);
+  for (std::size_t r = 0; r < cutKey_.size(); ++r) {
+    const double share = static_cast<double>(all) / ranks(), ideal = share * static_cast<double>(r + 1);
+    std::uint64_t widest = 0;
+    double nearest = 0;
+    const double slack = kCutSlack * share;
+    const auto first = std::ranges::lower_bound(places, ideal - slack, {},
+                                                [](const Place& p) { return static_cast<double>(p.cost); });
+    // bodies of one cell stay together
+    for (auto p = std::max(first, places.begin() + 1); p < places.end(); ++p) {
+      const double off = std::abs(static_cast<double>(p->cost) - ideal);
+      if (static_cast<double>(p->cost) > ideal + slack && widest > 0) break;
+      const std::uint64_t step = std::bit_floor(p->key ^ (p - 1)->key);
+      if (step < widest || step == 0 || (step == widest && off >= nearest)) continue;
+      widest = step, nearest = off, cutKey_[r] = p->key;
+    }
+  }
 }
 
 /// Bodies that are new since the cut go where their place on the curve belongs.
@@ -88,7 +116,7 @@ void RankDivision::findOwners() {
     cutBodies();
   }
   for (std::size_t i = home_.size(); i < bodies; ++i) {
-    const auto after = std::ranges::upper_bound(cutKey_, placeOnCurve(s, static_cast<int>(i)));
+    const auto after = std::ranges::upper_bound(cutKey_, cellOnCurve(static_cast<int>(i)));
     home_.push_back(static_cast<int>(after - cutKey_.begin()));
   }
   home_.resize(bodies);

@@ -8,7 +8,8 @@
 namespace rubble::RUBBLE_CORE {
 
 void RankDivision::plan() {
-  planned_ = true;
+  planned_ = true, nodesMoved_ = false;
+  nodes_.clear();
   seen_.assign(static_cast<std::size_t>(data().bodies), kUnseen);
   findOwn();
   findSlices();
@@ -36,7 +37,7 @@ void RankDivision::findOwn() {
 /// A slice belongs to the rank that owns most of its bodies. That rank evaluates all of its constraints.
 void RankDivision::findSlices() {
   const SolverData& s = data();
-  nodes_.clear(), slices_.clear();
+  slices_.clear();
   for (RankPart& list : levelSlices_) list.clear();
   const int slices = s.plan.coarseCorrection ? s.counters->slices : 0;
   sliceOwner_.resize(static_cast<std::size_t>(slices));
@@ -67,26 +68,40 @@ void RankDivision::findSlices() {
   for (RankPart& list : levelSlices_) list.counted = static_cast<int>(list.index.size());
 }
 
-/// Constraints of nodes that act on no body of this rank. `rows`, `joints`: by owner.
+/// Boundary constraints of own slices that act on no body of this rank. `rows`, `joints`: by owner.
 void RankDivision::findConstraints(RankLists& rows, std::vector<RankLists>& joints) {
   const SolverData& s = data();
   extraRows_.clear();
   std::vector<int> extra[kTypes];
-  for (const int i : nodes_)
-    for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) {
-      const std::uint32_t code = s.incidence[k].code;
-      if (constraintType(code) == kContactType) {
-        const int row = constraintIndex(code);
-        if (!pairNear_[std::size_t(s.activePair[s.rowBodies[row].manifold])]) extraRows_.push_back(row);
-        continue;
-      }
-      forEachType(JointTypes{}, [&]<class F>() {
-        constexpr int kType = typeIndex<F>(JointTypes{});
-        if (constraintType(code) != kType + 1) return;
-        const int joint = jointIndex<F>(code);
-        if (!joints_[kType].near[std::size_t(joint)]) extra[kType].push_back(joint);
-      });
+  const auto see = [&](int body) {
+    if (body < 0 || body >= s.bodies || seen_[std::size_t(body)] != kUnseen || !isDynamic(s, body)) return;
+    seen_[std::size_t(body)] = kNode;
+    nodes_.push_back(body);
+  };
+  const auto visit = [&](std::uint32_t code) {
+    if (constraintType(code) == kContactType) {
+      const int row = constraintIndex(code);
+      see(s.rowBodies[row].a), see(s.rowBodies[row].b);
+      if (!pairNear_[std::size_t(s.activePair[s.rowBodies[row].manifold])]) extraRows_.push_back(row);
+      return;
     }
+    forEachType(JointTypes{}, [&]<class F>() {
+      constexpr int kType = typeIndex<F>(JointTypes{});
+      if (constraintType(code) != kType + 1) return;
+      const int joint = jointIndex<F>(code);
+      std::ranges::for_each(endsOf<F>(s, joint), see);
+      if (!joints_[kType].near[std::size_t(joint)]) extra[kType].push_back(joint);
+    });
+  };
+  for (const int i : slices_.index) {
+    const Slice& slice = s.slice[i];
+    for (int k = slice.begin; k < slice.end; ++k) {
+      const int body = s.aggregateNode[k];
+      // all constraints of own bodies are near
+      if (body < s.bodies && seen_[std::size_t(body)] != kOwn)
+        visitBoundaryOf(s, body, s.aggregate[slice.aggregate].level, visit);
+    }
+  }
   const auto unique = [](std::vector<int>& list) {
     std::ranges::sort(list);
     list.erase(std::unique(list.begin(), list.end()), list.end());
@@ -106,23 +121,24 @@ void RankDivision::findConstraints(RankLists& rows, std::vector<RankLists>& join
   rows_.insert(rows_.end(), extraRows_.begin(), extraRows_.end());
 }
 
-/// Bodies of other ranks whose poses this rank needs: nodes of its slices, and neighbors of all its bodies.
-void RankDivision::findGhosts(RankLists& bodies) {
+/// Bodies of other ranks whose poses this rank needs, by owner.
+void RankDivision::findGhosts(RankLists& ghosts, RankLists& nodes) {
   const SolverData& s = data();
   ghosts_.clear();
-  const auto visit = [&](int i) {
+  for (const int i : own_.index)
     for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) {
       const int other = s.incidence[k].other;
-      if (other < 0 || other >= s.bodies || seen_[std::size_t(other)] != kUnseen) continue;
+      if (other < 0 || other >= s.bodies) continue;
+      if (Seen(seen_[std::size_t(other)]) != kUnseen && Seen(seen_[std::size_t(other)]) != kNode) continue;
       seen_[std::size_t(other)] = kGhost;
       ghosts_.push_back(other);
     }
+  std::erase_if(nodes_, [&](int i) { return seen_[std::size_t(i)] != kNode; });
+  const auto list = [&](std::vector<int>& bodies, RankLists& to) {
+    std::ranges::sort(bodies);
+    for (const int i : bodies) to[std::size_t(owner_[std::size_t(i)])].push_back(i);
   };
-  std::ranges::for_each(own_.index, visit);
-  std::ranges::for_each(nodes_, visit);
-  for (const std::vector<int>* list : {&nodes_, &ghosts_})
-    for (const int i : *list) bodies[std::size_t(owner_[std::size_t(i)])].push_back(i);
-  for (std::vector<int>& list : bodies) std::ranges::sort(list);
+  list(ghosts_, ghosts), list(nodes_, nodes);
 }
 
 /// Aggregates that move a body that this rank sees, and the slices of other ranks whose sums they need.
@@ -130,6 +146,7 @@ void RankDivision::findGhosts(RankLists& bodies) {
 void RankDivision::findAggregates(RankLists& slices) {
   const SolverData& s = data();
   for (int level = 0; level < kCoarseLevels; ++level) aggregates_[level].clear(), moving_[level].clear();
+  seenAggregates_.clear(), seenSlices_.clear();
   if (sliceOwner_.empty()) return;
   for (int level = 0; level < kCoarseLevels; ++level) {
     for (int g = s.levelAggregate[level]; g < s.levelAggregate[level + 1]; ++g) {
@@ -147,10 +164,13 @@ void RankDivision::findAggregates(RankLists& slices) {
         seen |= moves;
       }
       if (!seen) continue;
+      seenAggregates_.push_back(g);
       sortIn(aggregates_[level], others_, g, sliceOwner_[std::size_t(aggregate.sliceBegin)]);
-      for (int i = aggregate.sliceBegin; i < aggregate.sliceEnd; ++i)
-        if (!isMine(sliceOwner_[std::size_t(i)]))
-          slices[std::size_t(sliceOwner_[std::size_t(i)])].push_back(i);
+      for (int i = aggregate.sliceBegin; i < aggregate.sliceEnd; ++i) {
+        seenSlices_.push_back(i);
+        const int owner = sliceOwner_[std::size_t(i)];
+        if (!isMine(owner)) slices[std::size_t(owner)].push_back(i);
+      }
     }
     finishList(aggregates_[level], others_);
     moving_[level].counted = static_cast<int>(moving_[level].index.size());
@@ -160,11 +180,11 @@ void RankDivision::findAggregates(RankLists& slices) {
 /// Asks the owners for bodies, rows, slices and joints, and fetches rows and joints as they begin the step.
 void RankDivision::ask() {
   const SolverData& s = data();
-  enum { kBodies, kRows, kSlices, kJoints };
+  enum { kGhosts, kNodes, kRows, kSlices, kJoints };
   std::vector<RankLists> needs(kJoints + kTypes, RankLists(static_cast<std::size_t>(ranks())));
   std::vector<RankLists> joints(kTypes, RankLists(static_cast<std::size_t>(ranks())));
   findConstraints(needs[kRows], joints);
-  findGhosts(needs[kBodies]);
+  findGhosts(needs[kGhosts], needs[kNodes]);
   findAggregates(needs[kSlices]);
   std::ranges::move(joints, needs.begin() + kJoints);
   const std::vector<RankTraffic> traffic = courier_.ask(std::move(needs));
@@ -197,8 +217,9 @@ void RankDivision::ask() {
         (sliceSums_[std::size_t(s.aggregate[s.slice[i].aggregate].level)].*side)[r].push_back(i);
     }
   };
-  split(traffic[kBodies].give, traffic[kSlices].give, &RankTraffic::give);
-  split(traffic[kBodies].take, traffic[kSlices].take, &RankTraffic::take);
+  split(traffic[kGhosts].give, traffic[kSlices].give, &RankTraffic::give);
+  split(traffic[kGhosts].take, traffic[kSlices].take, &RankTraffic::take);
+  nodePoses_ = traffic[kNodes];
 }
 
 void RankDivision::listColors() {
