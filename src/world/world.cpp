@@ -35,6 +35,14 @@ void validate(const WorldOptions& options) {
   if (options.threads < 0 || options.threads > kMostThreads)
     throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
                 std::to_string(options.threads));
+  const RankOptions& ranks = options.ranks;
+  if (ranks.count < 0 || ranks.count > kMostThreads)
+    throw Error("ranks.count", "a number from 0 to " + std::to_string(kMostThreads),
+                std::to_string(ranks.count));
+  if (ranks.cutInterval < 0) throw Error("ranks.cutInterval", "0 or more", std::to_string(ranks.cutInterval));
+  if (!(ranks.maxImbalance >= 0))
+    throw Error("ranks.maxImbalance", "0 or more", std::to_string(ranks.maxImbalance));
+  if (!(ranks.timeout > 0)) throw Error("ranks.timeout", "more than 0", std::to_string(ranks.timeout));
 }
 
 std::vector<std::string> backends() {

@@ -223,8 +223,8 @@ void RankDivision::shareGaps() {
 
 void RankDivision::shareCounts() {
   const SolverData& s = data();
-  constexpr int Counters::*kCounted[] = {&Counters::contacts, &Counters::recycled, &Counters::failedSolves,
-                                         &Counters::boundedSteps};
+  static constexpr int Counters::*kCounted[] = {&Counters::contacts, &Counters::recycled,
+                                                &Counters::failedSolves, &Counters::boundedSteps};
   struct Counts {
     int sums[std::size(kCounted)];
     int bodies, ghosts, rows, migrated;

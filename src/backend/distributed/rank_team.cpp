@@ -32,7 +32,10 @@ void RankTeam::together(const std::function<void(RankEngine&)>& f) {
   const auto run = [&](RankEngine& rank) {
     try {
       f(rank);
-    } catch (...) {  // the hub knows what failed first
+    } catch (const std::exception& error) {
+      rank.fail(error.what());  // unless another one failed first
+    } catch (...) {
+      rank.fail("an unknown error");
     }
   };
   std::vector<std::jthread> others;

@@ -75,8 +75,10 @@ class MpiTransport final : public Transport {
       int done = 0;
       MPI_Testall(static_cast<int>(requests_.size()), requests_.data(), &done, MPI_STATUSES_IGNORE);
       if (done) return;
-      if (tries % 64 == 63) std::this_thread::yield();
-      if (tries % 1024 == 1023 && Clock::now() > end) throw RankFailure(silent());
+      if (tries < kSpins) continue;
+      // the other process may need this core
+      std::this_thread::sleep_for(std::chrono::microseconds(20));
+      if (Clock::now() > end) throw RankFailure(silent());
     }
   }
   std::string silent() const {
@@ -87,6 +89,7 @@ class MpiTransport final : public Transport {
   }
 
   static constexpr std::size_t kMost = INT_MAX;
+  static constexpr int kSpins = 1000;
   double timeout_;
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0, ranks_ = 1;
