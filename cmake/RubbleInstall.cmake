@@ -9,7 +9,9 @@ if(rubble_cuda AND rubble_cuda_sources AND NOT BUILD_SHARED_LIBS)
 endif()
 
 install(TARGETS rubble EXPORT rubbleTargets)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/rubble DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/rubble DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h"
+  # its library is not installed
+  PATTERN "mpi.h" EXCLUDE)
 install(EXPORT rubbleTargets NAMESPACE rubble:: DESTINATION ${rubble_package_dir})
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/rubbleConfig.cmake.in ${PROJECT_BINARY_DIR}/rubbleConfig.cmake
   INSTALL_DESTINATION ${rubble_package_dir})

@@ -53,6 +53,21 @@ Json stagesJson(const RunRecord::StageMeans& means) {
   return stages;
 }
 
+Json ranksJson(const std::vector<RankReport>& ranks) {
+  Json list = Json::array();
+  for (const RankReport& r : ranks)
+    list.push_back({{"own_ms", number(r.ownMs)},
+                    {"exchange_ms", number(r.exchangeMs)},
+                    {"bytes", r.bytes},
+                    {"messages", r.messages},
+                    {"bodies", r.bodies},
+                    {"ghosts", r.ghosts},
+                    {"rows", r.rows},
+                    {"migrated", r.migrated},
+                    {"memory_mb", number(static_cast<double>(r.memoryBytes) / 1e6)}});
+  return list;
+}
+
 Json recordJson(const RunRecord& record) {
   Json json{{"scene", record.scene},
             {"backend", record.backend},
@@ -89,6 +104,8 @@ Json recordJson(const RunRecord& record) {
         {"time_s", record.series->time},      {"step_ms", record.series->stepMs},
         {"energy_j", record.series->energy},  {"gap_mean_m", record.series->gapMean},
         {"gap_max_m", record.series->gapMax}, {"penetration_max_m", record.series->penetration}};
+  if (!record.ranks.empty()) json["ranks"] = ranksJson(record.ranks);
+  if (!record.hash.empty()) json["hash"] = record.hash;
   return json;
 }
 

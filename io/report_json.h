@@ -68,6 +68,8 @@ struct RunRecord {
   std::vector<ClaimRecord> claims;
   std::map<std::string, double> metrics;  ///< everything that the probes measured
   std::optional<RunSeries> series;        ///< written only if it is there
+  std::vector<RankReport> ranks;          ///< means over all steps; written only if there are any
+  std::string hash;                       ///< of the state at the end; written only if it is there
   std::string machine;
   std::string date;  ///< ISO 8601, UTC
 };

@@ -4,6 +4,7 @@
 
 #include "apps/cli/command.h"
 #include "apps/cli/output.h"
+#include "apps/cli/processes.h"
 #include "apps/cli/session.h"
 #include "apps/cli/text_report.h"
 
@@ -12,18 +13,30 @@ namespace {
 
 struct RunOptions {
   JobOptions job;
-  std::string jsonFile, recordFile, inputsFile;
+  std::string jsonFile, recordFile, inputsFile, checkpointFile, resumeFile;
+  int checkpointInterval = 0;
   PictureOptions picture;
   bool quiet = false;
   bool series = false;
   bool noStages = false;
+  bool hash = false;
 };
 
-int run(const RunOptions& options) {
+int run(RunOptions options) {
+  for (std::string* file :
+       {&options.jsonFile, &options.recordFile, &options.inputsFile, &options.picture.file})
+    *file = outputOfProcess(*file);
+  if (options.checkpointFile.empty() != (options.checkpointInterval == 0))
+    throw Error("--checkpoint", "a file and --every N", "one of them");
+  if (!Processes::isFirst()) options.checkpointFile.clear();
   PreparedJob prepared = prepareJob(options.job);
   prepared.world.timings = !options.noStages;
   SessionOptions session;
-  session.quiet = options.quiet;
+  session.quiet = options.quiet || !Processes::isFirst();
+  session.hash = options.hash;
+  session.checkpointFile = options.checkpointFile;
+  session.checkpointInterval = options.checkpointInterval;
+  session.resumeFile = options.resumeFile;
   session.series = options.series;
   session.recordFile = options.recordFile;
   session.inputsFile = options.inputsFile;
@@ -61,6 +74,7 @@ void addRun(CLI::App& app, int& status) {
       ->type_name("FILE");
   command->add_flag("--series", options->series,
                     "Have time, step time, energy and errors of every step in the report, for 'rubble plot'");
+  command->add_flag("--hash", options->hash, "Have the hash of the state at the end in the report");
   command->add_flag("--no-stages", options->noStages, "Without the clocks of stages, as in 'rubble bench'");
   command
       ->add_option("--record", options->recordFile,
@@ -70,6 +84,19 @@ void addRun(CLI::App& app, int& status) {
   command
       ->add_option("--record-inputs", options->inputsFile,
                    "Write every call that changes the world, and hashes of its tables, for 'rubble replay'")
+      ->type_name("FILE");
+  command
+      ->add_option("--checkpoint", options->checkpointFile,
+                   "Write the state after every N steps (--every), in place of the one before")
+      ->type_name("FILE");
+  command->add_option("--every", options->checkpointInterval, "Steps between checkpoints")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option(
+          "--resume", options->resumeFile,
+          "Go on from a checkpoint of the same scene, arguments and parameters, on any number of ranks; "
+          "--steps counts from the start of its run")
       ->type_name("FILE");
   addPictureOptions(*command, options->picture, "--picture");
   command->add_flag("-q,--quiet", options->quiet,

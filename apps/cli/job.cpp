@@ -119,6 +119,10 @@ void addBackendOptions(CLI::App& app, JobOptions& options) {
   app.add_option("-t,--threads", options.threads, "Worker threads; 0 is one a core")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_option("--ranks", options.ranks,
+                 "Ranks of the backend 'distributed', as threads; 0: the processes of mpirun")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
 }
 
 std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare) {
@@ -180,6 +184,7 @@ PreparedJob prepareJob(const JobOptions& options) {
   prepared.job = options.file ? jobOf(*options.file) : loadJob(options.scene, options.arguments);
   prepared.world.backend = backend;
   prepared.world.threads = options.threads;
+  prepared.world.ranks.count = options.ranks;
   prepared.world.params = paramsOf(options, prepared.job);
   prepared.steps = options.steps ? *options.steps : stepsOf(prepared.job, prepared.world.params.dt);
   return prepared;

@@ -23,7 +23,7 @@ struct JobOptions {
   std::optional<double> dt;     ///< [s]
   std::string backend = "cpu";  ///< "": bestBackend()
   std::string preset = "engine";
-  int threads = 0;
+  int threads = 0, ranks = 0;
 };
 
 /// Adds the options to a subcommand. `scene` is left to the caller, which knows whether it takes one or

@@ -9,6 +9,7 @@
 #include <rubble/error.h>
 
 #include "apps/cli/command.h"
+#include "apps/cli/processes.h"
 #include "apps/cli/program.h"
 
 namespace {
@@ -30,11 +31,14 @@ void flushOutput() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  rubble::cli::Processes processes;
   try {
+    processes.join();
     const int status = runProgram(argc, argv);
     flushOutput();
     return status;
   } catch (const std::exception& error) {
+    processes.fail(error.what());
     std::fprintf(stderr, "rubble: %s\n", error.what());
     return rubble::cli::kBadInput;
   }

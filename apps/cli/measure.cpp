@@ -57,6 +57,31 @@ void addCounts(io::RunRecord& record, const std::vector<StepReport>& reports, co
   for (const StepReport& report : reports) record.clashes = std::max(record.clashes, report.clashes);
 }
 
+/// Means over all steps, by rank.
+void addRanks(io::RunRecord& record, const std::vector<StepReport>& reports) {
+  if (reports.empty()) return;
+  const auto steps = static_cast<double>(reports.size());
+  const auto mean = [steps](auto sum) {
+    return static_cast<decltype(sum)>(static_cast<double>(sum) / steps);
+  };
+  record.ranks.resize(reports.back().ranks.size());
+  for (std::size_t r = 0; r < record.ranks.size(); ++r) {
+    RankReport& sum = record.ranks[r];
+    std::int64_t bodies = 0, ghosts = 0, rows = 0, migrated = 0;
+    for (const StepReport& report : reports) {
+      const RankReport& own = report.ranks[r];
+      sum.ownMs += own.ownMs, sum.exchangeMs += own.exchangeMs;
+      sum.bytes += own.bytes, sum.messages += own.messages;
+      bodies += own.bodies, ghosts += own.ghosts, rows += own.rows, migrated += own.migrated;
+    }
+    sum.ownMs = mean(sum.ownMs), sum.exchangeMs = mean(sum.exchangeMs);
+    sum.bytes = mean(sum.bytes), sum.messages = mean(sum.messages);
+    sum.bodies = static_cast<int>(mean(bodies)), sum.ghosts = static_cast<int>(mean(ghosts));
+    sum.rows = static_cast<int>(mean(rows)), sum.migrated = static_cast<int>(mean(migrated));
+    sum.memoryBytes = reports.back().ranks[r].memoryBytes;
+  }
+}
+
 void addVerdict(io::RunRecord& record, const scenes::RunResult& result) {
   record.holds = result.verdict.holds;
   record.metrics = result.metrics;
@@ -110,8 +135,8 @@ std::vector<std::pair<std::string, io::PhaseTimes>> stageTimes(const std::vector
   return times;
 }
 
-io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, const scenes::RunResult& result,
-                         const Quality& quality) {
+io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, int smashStep,
+                         const scenes::RunResult& result, const Quality& quality) {
   io::RunRecord record;
   record.scene = prepared.title;
   record.backend = prepared.world.backend;
@@ -121,9 +146,10 @@ io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, co
   record.iterations = prepared.world.params.iterations;
   record.substeps = prepared.world.params.substeps;
   record.dt = prepared.world.params.dt;
-  const Phases phases = phasesOf(job.smashStep, static_cast<int>(result.reports.size()));
+  const Phases phases = phasesOf(smashStep, static_cast<int>(result.reports.size()));
   addTimes(record, result.reports, phases);
   addCounts(record, result.reports, phases);
+  addRanks(record, result.reports);
   record.topDrop = metric(result.metrics, "top_drop_m");
   record.penetration = quality.penetration;
   if (!job.scene.joints.empty()) {

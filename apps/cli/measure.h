@@ -28,8 +28,8 @@ int qualityStep(int smashStep, int steps, double dt);
 bool isCollisionStage(const std::string& stage);
 
 /// Times and counts of a run. `quality` is the one to quote.
-io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, const scenes::RunResult& result,
-                         const Quality& quality);
+io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, int smashStep,
+                         const scenes::RunResult& result, const Quality& quality);
 
 /// Each stage's wall clock over a range of steps, in the order of the step [ms].
 std::vector<std::pair<std::string, io::PhaseTimes>> stageTimes(const std::vector<StepReport>& reports,

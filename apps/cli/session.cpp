@@ -1,12 +1,16 @@
 #include "apps/cli/session.h"
 
 #include <algorithm>
+#include <fstream>
 #include <optional>
+
+#include <fmt/format.h>
 
 #include "apps/cli/measure.h"
 #include "apps/cli/picture_writer.h"
 #include "apps/cli/progress.h"
 #include "io/input_log.h"
+#include "io/output_file.h"
 #include "io/picture_poses.h"
 #include "io/recording.h"
 
@@ -52,8 +56,39 @@ class Recorder {
 
 }  // namespace
 
+namespace {
+
+std::vector<std::byte> readBytes(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  std::vector<std::byte> out(stream ? static_cast<std::size_t>(stream.tellg()) : 0);
+  stream.seekg(0);
+  if (!stream.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(out.size())))
+    throw Error(file, "a file that can be read", "none");
+  return out;
+}
+
+/// Replaces the checkpoint, or leaves the one before. Without a file the state is gathered, as other ranks
+/// need it.
+void writeCheckpoint(const std::string& file, const World& world) {
+  const std::vector<std::byte> state = world.stateBytes();
+  if (file.empty()) return;
+  io::OutputFile out(file);
+  out.stream().write(reinterpret_cast<const char*>(state.data()), static_cast<std::streamsize>(state.size()));
+  out.finish();
+}
+
+}  // namespace
+
 SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   scenes::Runner runner(std::move(prepared.job), prepared.world);
+  if (!options.resumeFile.empty()) runner.resume(readBytes(options.resumeFile));
+  // steps are counted from the start of the run that the checkpoint is of
+  const int taken = static_cast<int>(runner.world().stepCount());
+  if (taken >= prepared.steps)
+    throw Error("--steps", fmt::format("more than the {} of the checkpoint", taken),
+                std::to_string(prepared.steps));
+  prepared.steps -= taken;
+  const int smashStep = runner.job().smashStep >= taken ? runner.job().smashStep - taken : -1;
   std::optional<io::InputLog> inputs;
   if (!options.inputsFile.empty())
     inputs.emplace(options.inputsFile, runner.job().scene, prepared.world, runner.world());
@@ -65,10 +100,10 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   const auto takePictures = [&](const World& world, int stepsTaken) {
     if (pictures.isDue(stepsTaken)) pictures.take(stepsTaken, io::pictureBodies(world, options.look.colorBy));
   };
-  takePictures(runner.world(), 0);
+  takePictures(runner.world(), taken);
 
-  const int quoted = qualityStep(runner.job().smashStep, prepared.steps, prepared.world.params.dt);
-  const int settledEnd = phasesOf(runner.job().smashStep, prepared.steps).settled.end;
+  const int quoted = qualityStep(smashStep, prepared.steps, prepared.world.params.dt);
+  const int settledEnd = phasesOf(smashStep, prepared.steps).settled.end;
   std::optional<Quality> quality;
   double bytesPerBody = 0;
   io::RunSeries series;
@@ -86,15 +121,19 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
           series.penetration.push_back(now.penetration.max);
         }
         recorder.record(runner.world());
-        takePictures(world, step + 1);
+        if (options.checkpointInterval > 0 && (taken + step + 1) % options.checkpointInterval == 0)
+          writeCheckpoint(options.checkpointFile, world);
+        takePictures(world, taken + step + 1);
         progress.update(step + 1, report.totalMs);
         return true;
       });
   recorder.finish();
   if (inputs) inputs->finish();
-  io::RunRecord record = makeRecord(prepared, runner.job(), result, quality.value_or(result.quality));
+  io::RunRecord record = makeRecord(prepared, runner.job(), smashStep, result,
+                                    quality.value_or(result.quality));
   record.engineMb = static_cast<double>(runner.world().memoryBytes()) / 1e6;
   record.bytesPerBody = bytesPerBody;
+  if (options.hash) record.hash = fmt::format("{:016x}", runner.world().hash());
   if (options.series) record.series = std::move(series);
   return {std::move(record), result.reports};
 }

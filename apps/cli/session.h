@@ -15,7 +15,11 @@ struct SessionOptions {
   std::string inputsFile;  ///< of the log of inputs; "" for none
   std::vector<PictureRequest> pictures;
   Look look;
-  bool series = false;  ///< the record gets the time, step time and energy of every step
+  std::string checkpointFile;  ///< of the state; "" for none
+  int checkpointInterval = 0;  ///< steps between checkpoints
+  std::string resumeFile;      ///< checkpoint to go on from; "" for none
+  bool hash = false;           ///< the record gets the hash of the state at the end
+  bool series = false;         ///< the record gets the time, step time and energy of every step
 };
 
 struct SessionResult {

@@ -49,6 +49,19 @@ void times(Out out, const io::RunRecord& record, const std::vector<StepReport>& 
   fmt::format_to(out, "\n");
 }
 
+void ranks(Out out, const io::RunRecord& record) {
+  if (record.ranks.empty()) return;
+  fmt::format_to(out, "  {:<8}{:>12}{:>15}{:>12}{:>10}{:>10}{:>10}{:>10}\n", "rank", "own [ms]",
+                 "exchange [ms]", "kB sent", "messages", "bodies", "ghosts", "rows");
+  for (std::size_t r = 0; r < record.ranks.size(); ++r) {
+    const RankReport& own = record.ranks[r];
+    fmt::format_to(out, "  {:<8}{:>12.3f}{:>15.3f}{:>12.1f}{:>10}{:>10}{:>10}{:>10}\n", r, own.ownMs,
+                   own.exchangeMs, static_cast<double>(own.bytes) / 1e3, own.messages, own.bodies, own.ghosts,
+                   own.rows);
+  }
+  fmt::format_to(out, "\n");
+}
+
 void quality(Out out, const io::RunRecord& record) {
   if (record.penetration)
     fmt::format_to(out, "  penetration             mean {}, 99 % {}, max {}\n",
@@ -62,6 +75,7 @@ void quality(Out out, const io::RunRecord& record) {
   fmt::format_to(out, "  tables of the engine    {:.1f} MB, {:.0f} bytes a body settled\n", record.engineMb,
                  record.bytesPerBody);
   fmt::format_to(out, "  resident memory         {:.1f} MB\n", record.rssMb);
+  if (!record.hash.empty()) fmt::format_to(out, "  hash of the state       {}\n", record.hash);
 }
 
 /// The residual that iterations leave, step by step.
@@ -135,6 +149,7 @@ std::string textReport(const io::RunRecord& record, const std::vector<StepReport
   const Out out = std::back_inserter(text);
   heading(out, record);
   if (!reports.empty()) times(out, record, reports);
+  ranks(out, record);
   quality(out, record);
   residuals(out, reports);
   notices(out, reports);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <rubble/ids.h>
+#include <rubble/ranks.h>
 
 namespace rubble {
 
@@ -60,7 +61,8 @@ struct StepReport {
   int restarts = 0;           ///< number of times the step was restarted with larger tables
   std::vector<Growth> grown;  ///< the tables that grew
   std::vector<StageTime> stages;
-  double totalMs = 0;  ///< wall-clock time of the step
+  std::vector<RankReport> ranks;  ///< distributed only: by rank
+  double totalMs = 0;             ///< wall-clock time of the step
 
   double stageMs(const std::string& name) const;
 };

@@ -14,6 +14,7 @@
 #include <rubble/log.h>
 #include <rubble/params.h>
 #include <rubble/query.h>
+#include <rubble/ranks.h>
 #include <rubble/report.h>
 #include <rubble/scene.h>
 
@@ -69,9 +70,11 @@ struct VertexContact {
 };
 
 struct WorldOptions {
-  /// "cpu", "reference" (double precision), "lockstep", or another name that backends() returns.
+  /// "cpu", "reference" (double precision), "distributed", "lockstep", or another name that backends()
+  /// returns.
   std::string backend = "cpu";
-  int threads = 0;  ///< 0: one per core
+  int threads = 0;    ///< 0: one per core
+  RankOptions ranks;  ///< distributed only
   Params params;
   bool timings = true;  ///< measure stage times
   /// Collect the events of each step. On a GPU this copies its contacts to the host.
@@ -305,6 +308,12 @@ class World {
 
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
+  /// The state as bytes, for a file. It has no definitions.
+  std::vector<std::byte> stateBytes() const;
+  /// Takes the state of a world of the same scene after the same edits, with or without its steps. This world
+  /// then continues as that one would, bit for bit, on any number of ranks. Throws Error for bytes of another
+  /// world, precision or version, and for damaged ones.
+  void setStateBytes(std::span<const std::byte> bytes);
 
   /// lockstep only: the first difference found, or "".
   std::string firstDifference() const;
@@ -318,6 +327,9 @@ class World {
 
 /// Throws Error if parameters or the number of threads are invalid.
 void validate(const WorldOptions& options);
+
+/// Steps that the world of World::stateBytes() had taken. Throws Error for other bytes.
+std::int64_t stepsOfState(std::span<const std::byte> bytes);
 
 /// Backends of this build that this machine can run.
 std::vector<std::string> backends();

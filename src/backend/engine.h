@@ -2,6 +2,8 @@
 /// Interface between a World and a backend, independent of the solver precision.
 #include <string>
 
+#include <rubble/ranks.h>
+
 #include "tables/edits.h"
 #include "tables/reader.h"
 
@@ -119,6 +121,8 @@ std::unique_ptr<Engine> makeCudaEngine(bool timings);
 namespace f32 {
 std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings);
 /// Two engines of this precision, compared after every kernel.
+/// Ranks as threads, or one rank of the processes that share the world.
+std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, int threads, bool timings);
 std::unique_ptr<Engine> makeLockstepEngine(std::unique_ptr<Engine> a, std::unique_ptr<Engine> b);
 }  // namespace f32
 namespace f64 {

@@ -47,7 +47,7 @@ struct StepPlan {
   int iterations = 0;
   bool sleeping = false, coarseCorrection = false, jointTrees = false, literalRotations = false;
   bool coneHessian = false;  ///< Hessian of friction (friction.h)
-  Real acceleration = 0;  ///< rho of the accelerated sweeps over deformables [1]
+  Real acceleration = 0;     ///< rho of the accelerated sweeps over deformables [1]
 };
 
 /// Aligned so that a GPU reads it in quads: on an H200 a step of contacts takes 2 % less.

@@ -147,6 +147,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::rowOffset, "rowOffset", "", Per::ActivePair, Lifetime::Work, 1);
   f(ArrayInfo<ContactRows>{&SolverData::contact, "contact", "", Per::Manifold, Lifetime::State, 0, true});
   is(&SolverData::joinLevel, "joinLevel", "", Per::Manifold, Lifetime::Work);
+  is(&SolverData::rowBodies, "rowBodies", "", Per::Manifold, Lifetime::Work);
   is(&SolverData::support, "support", "N", Per::Manifold, Lifetime::Work);
   is(&SolverData::incidence, "incidence", "", Per::Incidence, Lifetime::Work);
   is(&SolverData::vertexParams, "vertexParams", "", Per::Vertex, Lifetime::Authored);

@@ -159,6 +159,12 @@ struct BodyMotion {
   Vec3 v, w;  ///< [m/s], [rad/s]
 };
 
+/// What contact rows connect. Stages that need only the graph of constraints read this and no rows.
+struct RowBodies {
+  int a, b;      ///< bodies, a < b
+  int manifold;  ///< index of the manifold of the rows
+};
+
 /// Support that a contact gives to one of its bodies, evaluated at the end of a step
 /// (stages/bodies/corrections.h).
 struct Support {

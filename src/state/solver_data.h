@@ -201,8 +201,9 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
                                          ///< the old manifolds (SolverTables::aliasRows)
   Array<Bounce> bounce = nullptr;    ///< one per element of `contact`, if restitution may act in this step
   Array<Support> support = nullptr;  ///< one per element of `contact`
-  Array<int> joinLevel = nullptr;    ///< per element of `contact`: aggregate level that unites its bodies;
-                                     ///< kCoarseLevels: none
+  Array<RowBodies> rowBodies = nullptr;  ///< one per element of `contact`
+  Array<int> joinLevel = nullptr;  ///< per element of `contact`: aggregate level that unites its bodies;
+                                   ///< kCoarseLevels: none
   Array<Incidence> incidence = nullptr;  ///< constraints sorted by body
 
   // vertices: authored

@@ -14,6 +14,8 @@ namespace rubble {
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings);
   if (options.backend == "reference") return f64::makeCpuEngine(options.threads, options.timings);
+  if (options.backend == "distributed")
+    return f32::makeDistributedEngine(options.ranks, options.threads, options.timings);
   if (options.backend == "lockstep")
     return f32::makeLockstepEngine(f32::makeCpuEngine(1, options.timings),
                                    f32::makeCpuEngine(options.threads, false));
@@ -33,10 +35,18 @@ void validate(const WorldOptions& options) {
   if (options.threads < 0 || options.threads > kMostThreads)
     throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
                 std::to_string(options.threads));
+  const RankOptions& ranks = options.ranks;
+  if (ranks.count < 0 || ranks.count > kMostThreads)
+    throw Error("ranks.count", "a number from 0 to " + std::to_string(kMostThreads),
+                std::to_string(ranks.count));
+  if (ranks.cutInterval < 0) throw Error("ranks.cutInterval", "0 or more", std::to_string(ranks.cutInterval));
+  if (!(ranks.maxImbalance >= 0))
+    throw Error("ranks.maxImbalance", "0 or more", std::to_string(ranks.maxImbalance));
+  if (!(ranks.timeout > 0)) throw Error("ranks.timeout", "more than 0", std::to_string(ranks.timeout));
 }
 
 std::vector<std::string> backends() {
-  std::vector<std::string> names = {"cpu", "reference", "lockstep"};
+  std::vector<std::string> names = {"cpu", "reference", "distributed", "lockstep"};
   if (cudaReady()) names.insert(names.end(), {"cuda", "lockstep-cuda"});
   return names;
 }

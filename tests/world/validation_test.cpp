@@ -82,6 +82,15 @@ TEST(Validation, OfOptionsNamesWhatThereIs) {
   const Scene scene = test::tower(1);
   expectError("backend", [&] { World world(scene, test::options(4, "quantum")); });
   expectError("threads", [&] { World world(scene, test::options(4, "cpu", -1)); });
+  const auto expectBadRanks = [&](const char* path, auto&& change) {
+    WorldOptions options = test::options(4, "distributed");
+    change(options.ranks);
+    expectError(path, [&] { World world(scene, options); });
+  };
+  expectBadRanks("ranks.count", [](RankOptions& ranks) { ranks.count = -1; });
+  expectBadRanks("ranks.cutInterval", [](RankOptions& ranks) { ranks.cutInterval = -1; });
+  expectBadRanks("ranks.maxImbalance", [](RankOptions& ranks) { ranks.maxImbalance = kNan; });
+  expectBadRanks("ranks.timeout", [](RankOptions& ranks) { ranks.timeout = 0; });
   try {
     World world(scene, test::options(4, "quantum"));
   } catch (const Error& e) {

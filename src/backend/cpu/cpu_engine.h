@@ -96,6 +96,8 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   void observe(KernelObserver observer) override { executor_.observe(std::move(observer)); }
   const HostTables& tablesNow() override { return executor_.tables(); }
   HostTables& tables() { return executor_.tables(); }
+  /// As CpuExecutor::divide.
+  void divide(Division* division) { executor_.divide(division); }
 
  private:
   void takeStep(StepReport& report);

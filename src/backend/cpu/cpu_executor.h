@@ -16,6 +16,7 @@
 
 #include <rubble/report.h>
 
+#include "backend/cpu/division.h"
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
 #include "backend/kernel_observer.h"
@@ -42,6 +43,8 @@ class CpuExecutor {
   const SolverData& view() const { return tables_.view(); }
 
   void observe(KernelObserver observer) { observer_ = std::move(observer); }
+  /// Divides steps among ranks; null: this executor runs all of a step.
+  void divide(Division* division) { division_ = division; }
   /// Disables SIMD kernels and privatized counts: from now on each kernel runs index by index. Results must
   /// not depend on it.
   void takeOneByOne() { together_ = false; }
@@ -51,6 +54,8 @@ class CpuExecutor {
 
   template <class Kernel> void forEach(const Kernel& kernel, int n) {
     const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
+    if constexpr (isDivided<Kernel>())
+      if (division_) return runPart(kernel, n, Divided<Kernel>::which(kernel));
     const SolverData& s = view();
     if constexpr (requires { InParts<Kernel>::run(s, kernel, 0, n); })
       if (together_)
@@ -67,6 +72,8 @@ class CpuExecutor {
     const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
     const SolverData& s = view();
     const int begin = (s.*offsets)[k];
+    if constexpr (isDivided<Kernel>())
+      if (division_) return runPart(kernel, (s.*offsets)[k + 1] - begin, k);
     run(s, kernel, (s.*offsets)[k + 1] - begin, [&](int i) { return begin + i; });
   }
 
@@ -91,6 +98,7 @@ class CpuExecutor {
   template <class N>
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, N n, int Counters::*total,
             Per per) {
+    if (division_ && counts == &SolverData::hasRows) division_->share(Share::Touches, 0);
     scan(counts, offsets, n);
     view().counters->*total = (view().*offsets)[countOf(n)];
     require(per, total);
@@ -147,7 +155,10 @@ class CpuExecutor {
     const SolverData& s = view();
     for (int c = 0; c < s.counters->colors; ++c) {
       const int begin = s.colorOffset[c];
-      run(s, kernel, s.colorOffset[c + 1] - begin, [&](int k) { return s.colorBody[begin + k]; });
+      if (division_)
+        runPart(kernel, division_->color(c)), division_->share(Share::ColorPoses, c);
+      else
+        run(s, kernel, s.colorOffset[c + 1] - begin, [&](int k) { return s.colorBody[begin + k]; });
       if (s.vertices == 0) continue;
       const int first = s.vertexColorOffset[c];
       run(s, vertexKernel, s.vertexColorOffset[c + 1] - first,
@@ -157,6 +168,7 @@ class CpuExecutor {
 
   void aliasRows() { tables_.aliasRows(); }
   void swapManifolds() {
+    if (division_) division_->share(Share::Counts, 0);
     if (observer_) observer_("between steps", "");
     tables_.swapManifolds();
   }
@@ -216,6 +228,28 @@ class CpuExecutor {
     Clock::time_point begin_;
   };
 
+  /// Runs the elements of this rank. What another rank counts does not count here.
+  template <class Kernel> void runPart(const Kernel& kernel, const Division::Part& part) {
+    const SolverData& s = view();
+    const auto runRange = [&](int begin, int end) {
+      run(s, kernel, end - begin, [&](int k) { return part.index ? part.index[begin + k] : begin + k; });
+    };
+    runRange(0, part.counted);
+    if (part.count == part.counted) return;
+    constexpr int Counters::*kReported[] = {&Counters::contacts, &Counters::recycled, &Counters::failedSolves,
+                                            &Counters::boundedSteps, &Counters::broken};
+    int before[std::size(kReported)];
+    std::ranges::transform(kReported, before, [&](int Counters::*c) { return s.counters->*c; });
+    runRange(part.counted, part.count);
+    for (std::size_t k = 0; k < std::size(kReported); ++k) s.counters->*kReported[k] = before[k];
+  }
+  template <class Kernel> void runPart(const Kernel& kernel, int n, int which) {
+    using D = Divided<Kernel>;
+    if constexpr (D::kBefore != Share::None) division_->share(D::kBefore, which);
+    runPart(kernel, division_->part(D::kCut, n, which));
+    if constexpr (D::kAfter != Share::None) division_->share(D::kAfter, which);
+  }
+
   /// Calls the kernel for at(0), ..., at(n - 1), four at a time if it has a SIMD version.
   template <class Kernel, class At> void run(const SolverData& s, const Kernel& kernel, int n, At&& at) {
     forRange(n, [&](int begin, int end) {
@@ -252,6 +286,7 @@ class CpuExecutor {
   tbb::task_arena arena_;
   bool timings_;
   bool together_ = true;
+  Division* division_ = nullptr;
   KernelObserver observer_;
   std::vector<StageTime> times_;
   std::vector<Growth> grown_;

@@ -128,6 +128,7 @@ struct BuildRowsOfPoint {
     storeHead(own, r, tile);
     const bool holds = (tile.ballot(holdsAt(own, 0)) | impact) != 0;
     if (k != 0) return;
+    s.rowBodies[row] = {own.a, own.b, i};
     s.joinLevel[row] = holds ? finestSharedLevel(s, own.a, own.b) : kCoarseLevels;
     m.row = row;
     m.impact = static_cast<std::uint8_t>(impact);

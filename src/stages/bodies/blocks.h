@@ -28,7 +28,7 @@ struct MarkTouchedTrees {
       if (s.nodeOfBody[body] >= 0)
         atomicSet(&s.treeContacts[s.treeNode[s.nodeOfBody[body]].tree], kHasContacts);
     };
-    touch(s.contact[i].a), touch(s.contact[i].b);
+    touch(s.rowBodies[i].a), touch(s.rowBodies[i].b);
   }
 };
 
@@ -42,10 +42,10 @@ struct ContactBlocks {
   /// Is the constraint invariant under a rigid motion of both bodies?
   static constexpr bool kRelative = true;
   RUBBLE_HD static BlockBodies bodies(const SolverData& s, int i) {
-    return {s.contact[i].a, s.contact[i].b, true};
+    return {s.rowBodies[i].a, s.rowBodies[i].b, true};
   }
   template <class Visit> RUBBLE_HD static void visitIncidences(const SolverData& s, int i, Visit&& visit) {
-    visitSides(s, s.contact[i].a, s.contact[i].b,
+    visitSides(s, s.rowBodies[i].a, s.rowBodies[i].b,
                [&](int body, int side, int other) { visit(body, constraintCode(kType, i, side), other); });
   }
   /// Level of the aggregates at which the constraint unites its bodies.

@@ -14,7 +14,7 @@ namespace rubble::RUBBLE_CORE {
 inline constexpr Real kFarRotation2 = Real(.01);
 
 /// Is the contact with an immovable surface?
-RUBBLE_HD inline bool isAtRest(const SolverData& s, const ContactRows& r, int other) {
+RUBBLE_HD inline bool isAtRest(const SolverData& s, const RowBodies& r, int other) {
   const BodyKind kind = s.params[other].kind;
   if (kind == BodyKind::Dynamic) return false;
   if (kind == BodyKind::Kinematic &&
@@ -30,7 +30,7 @@ RUBBLE_HD inline bool isHeldAtRest(const SolverData& s, int i) {
   for (int k = begin; k < end; ++k) {
     const std::uint32_t code = s.incidence[k].code;
     if (constraintType(code) != kContactType) return false;
-    const ContactRows& r = s.contact[constraintIndex(code)];
+    const RowBodies r = s.rowBodies[constraintIndex(code)];
     if (!isAtRest(s, r, constraintSide(code) == 0 ? r.b : r.a)) return false;
   }
   return end > begin;

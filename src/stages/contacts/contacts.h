@@ -289,6 +289,7 @@ struct BuildContactRows {
     for (int k = 0; k < m.count; ++k)
       if (buildPoint(s, m, p, k, r, k)) m.impact |= static_cast<std::uint8_t>(1u << k);
     s.contact[m.row] = r;
+    s.rowBodies[m.row] = {r.a, r.b, i};
     s.joinLevel[m.row] = joinLevel(s, r, m.impact);
   }
 };

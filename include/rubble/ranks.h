@@ -1,0 +1,32 @@
+#pragma once
+/// Ranks: threads or processes that share one world (backend "distributed").
+#include <cstdint>
+
+namespace rubble {
+
+/// How a world is divided among ranks. Results do not depend on it.
+struct RankOptions {
+  /// Ranks as threads of this process. 0: the processes that mpirun started, or one rank.
+  int count = 0;
+  /// Steps after which bodies are divided anew. 0: when the costs of ranks differ by more than maxImbalance.
+  int cutInterval = 0;
+  /// Largest cost of a rank over the mean of all, less 1, above which bodies are divided anew [1].
+  double maxImbalance = .15;
+  /// Longest wait for another rank; then the step throws Error [s].
+  double timeout = 60;
+};
+
+/// What a step cost one rank.
+struct RankReport {
+  double ownMs = 0;              ///< time of the step without exchanges [ms]
+  double exchangeMs = 0;         ///< time in exchanges, waiting included [ms]
+  std::int64_t bytes = 0;        ///< sent
+  std::int64_t messages = 0;     ///< sent
+  int bodies = 0;                ///< dynamic bodies that the rank solves
+  int ghosts = 0;                ///< bodies of other ranks whose poses it receives
+  int rows = 0;                  ///< contact manifolds that it evaluates
+  int migrated = 0;              ///< pairs and joints whose state it received from an earlier owner
+  std::int64_t memoryBytes = 0;  ///< tables, as reserved [bytes]
+};
+
+}  // namespace rubble

@@ -1,0 +1,76 @@
+#pragma once
+/// All ranks of a world as threads of this process. What ranks exchange goes through a transport; they share
+/// no tables.
+#include "backend/distributed/rank_engine.h"
+#include "backend/distributed/thread_transport.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Reads are of rank 0.
+class RankTeam final : public Engine {
+ public:
+  /// `threads`: of all ranks together; 0: one per core.
+  RankTeam(const RankOptions& options, int threads, bool timings);
+
+  void configure(const EngineSettings& settings) override {
+    each([&](Engine& e) { e.configure(settings); });
+  }
+  void apply(std::span<const Edit> edits) override {
+    each([&](Engine& e) { e.apply(edits); });
+  }
+  void step(StepReport& report) override;
+  void sortBodies() override {
+    together([](Engine& e) { e.sortBodies(); });
+  }
+  const TableReader& read(Fetch what, int id) override {
+    if (what == Fetch::All) together([](RankEngine& e) { e.gatherState(); });
+    return first().read(what, id);
+  }
+  std::span<EngineQuery> queryRoom(std::size_t n) override { return first().queryRoom(n); }
+  std::span<const EngineHit> hits(const EngineQueries& asked) override { return first().hits(asked); }
+  EngineOverlaps overlaps(const EngineQueries& asked) override { return first().overlaps(asked); }
+  ArrayView array(StateArray which) override { return first().array(which); }
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
+    each([&](Engine& e) { e.scatter(which, rows, values); });
+  }
+  bool reserve(const std::string& kind, int count) override {
+    bool known = true;
+    each([&](Engine& e) { known = e.reserve(kind, count); });
+    return known;
+  }
+  std::size_t memoryBytes() const override {
+    std::size_t sum = 0;
+    for (const auto& rank : ranks_) sum += rank->memoryBytes();
+    return sum;
+  }
+  std::vector<TableHash> tableHashes() override {
+    together([](RankEngine& e) { e.gatherState(); });
+    return first().tableHashes();
+  }
+  std::shared_ptr<const EngineSnapshot> snapshot() override {
+    together([](RankEngine& e) { e.gatherState(); });
+    return first().snapshot();
+  }
+  void restore(const EngineSnapshot& snapshot) override {
+    each([&](Engine& e) { e.restore(snapshot); });
+  }
+
+  RankEngine& rank(int r) { return *ranks_[static_cast<std::size_t>(r)]; }
+
+ private:
+  RankEngine& first() { return *ranks_.front(); }
+  /// For each rank, one after another: calls without exchanges.
+  template <class F> void each(F&& f) {
+    requireWhole();
+    for (const auto& rank : ranks_) f(*rank);
+  }
+  /// For all ranks at once, each in a thread of its own.
+  void together(const std::function<void(RankEngine&)>& f);
+  /// Throws RankFailure if a rank has failed.
+  void requireWhole() const;
+
+  ThreadHub hub_;
+  std::vector<std::unique_ptr<RankEngine>> ranks_;
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,52 @@
+#include "backend/distributed/transport.h"
+
+#include <algorithm>
+#include <chrono>
+#include "backend/distributed/rank_processes.h"
+
+namespace rubble {
+
+RankProcesses& rankProcesses() {
+  static RankProcesses processes;
+  return processes;
+}
+
+template <class F> void Transport::timed(F&& f) {
+  const auto begin = std::chrono::steady_clock::now();
+  f();
+  traffic_.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void Transport::exchange(std::span<const Send> sends, std::span<const Receive> receives) {
+  if (sends.empty() && receives.empty()) return;
+  for (const Send& send : sends) traffic_.bytes += static_cast<std::int64_t>(send.bytes.size());
+  traffic_.messages += static_cast<std::int64_t>(sends.size());
+  timed([&] { swap(sends, receives); });
+}
+
+void Transport::gather(std::span<const std::byte> own, std::span<std::byte> all,
+                       std::span<const std::size_t> sizes) {
+  traffic_.bytes += static_cast<std::int64_t>(own.size()) * (ranks() - 1);
+  traffic_.messages += ranks() - 1;
+  timed([&] { swapAll(own, all, sizes); });
+}
+
+void Transport::swapAll(std::span<const std::byte> own, std::span<std::byte> all,
+                        std::span<const std::size_t> sizes) {
+  std::vector<Send> sends;
+  std::vector<Receive> receives;
+  std::size_t at = 0;
+  for (int r = 0; r < ranks(); ++r) {
+    const std::span<std::byte> block = all.subspan(at, sizes[static_cast<std::size_t>(r)]);
+    at += block.size();
+    if (r == rank())
+      std::ranges::copy(own, block.begin());
+    else {
+      if (!own.empty()) sends.push_back({r, own});
+      if (!block.empty()) receives.push_back({r, block});
+    }
+  }
+  swap(sends, receives);
+}
+
+}  // namespace rubble
