@@ -21,7 +21,8 @@ inline constexpr std::array kInputNames{
     "wake",           "sort_bodies",       "scatter",        "add_joint",
     "remove_joint",   "set_definition",    "add_deformable", "remove_deformable",
     "add_attachment", "remove_attachment", "set_vertices",   "apply_vertex_force",
-    "set_params",     "set_gravity",       "take_snapshot",  "restore"};
+    "set_params",     "set_gravity",       "take_snapshot",  "restore",
+    "set_body"};
 static_assert(kInputNames.size() == std::variant_size_v<inputs::Call>);
 
 inline nlohmann::ordered_json inputJson(const Vec3& v) { return {v.x, v.y, v.z}; }

@@ -106,6 +106,9 @@ struct Arguments {
   Ordered operator()(const inputs::SetParams& c) const {
     return {{"params", Ordered::parse(toJson(c.params))}};
   }
+  Ordered operator()(const inputs::SetBodyDefinition& c) const {
+    return {{"id", inputJson(c.id)}, {"body", Ordered::parse(toJson(c.body))}};
+  }
   Ordered operator()(const inputs::SetGravity& c) const { return {{"gravity", inputJson(c.gravity)}}; }
 };
 

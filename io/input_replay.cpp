@@ -108,6 +108,8 @@ class Replayer {
       world_.setParams(params);
     } else if (name == "set_gravity") {
       world_.setGravity(vectorOf(c.at("gravity")));
+    } else if (name == "set_body") {
+      world_.setDefinition(idOf<BodyId>(c.at("id")), parseBody(c.at("body").dump()));
     } else if (name == "take_snapshot") {
       snapshots_.push_back(world_.snapshot());
     } else if (name == "restore") {

@@ -98,6 +98,11 @@ struct SetParams {
 struct SetGravity {
   Vec3 gravity;
 };
+/// Also of setMaterial() and other changes of a definition.
+struct SetBodyDefinition {
+  BodyId id;
+  const BodyDef& body;
+};
 struct TakeSnapshot {
   const Snapshot& snapshot;
 };
@@ -108,7 +113,7 @@ struct Restore {
 using Call = std::variant<Step, AddBodies, RemoveBodies, SetCollide, SetStates, SetTarget, ApplyForces,
                           ApplyImpulses, Wake, SortBodies, Scatter, AddJoint, RemoveJoint, SetDefinition,
                           AddDeformable, RemoveDeformable, AddAttachment, RemoveAttachment, SetVertices,
-                          ApplyVertexForce, SetParams, SetGravity, TakeSnapshot, Restore>;
+                          ApplyVertexForce, SetParams, SetGravity, TakeSnapshot, Restore, SetBodyDefinition>;
 using Sink = std::function<void(const Call&)>;
 
 }  // namespace rubble::inputs

@@ -71,7 +71,7 @@ struct Apply {
 
   void operator()(const SetBody& e) const {
     setBodyCount(tables, e.id + 1);
-    setBody(tables, slot(e.id), e.body);
+    (e.keepsState ? editBody : setBody)(tables, slot(e.id), e.body);
     if (e.number < 0) return;
     tables.view().idOf[slot(e.id)] = e.number, tables.view().worldOfBody[slot(e.id)] = e.world;
   }

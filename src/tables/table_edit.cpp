@@ -96,7 +96,7 @@ void setBodyCount(HostTables& tables, int ids) {
   clearBodySlots(tables, before);
 }
 
-void setBody(HostTables& tables, int slot, const EngineBody& body) {
+void editBody(HostTables& tables, int slot, const EngineBody& body) {
   SolverData& s = tables.view();
   RUBBLE_ASSERT(slot >= 0 && slot < s.bodies);
   BodyParams& p = s.params[slot];
@@ -127,6 +127,12 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   tables.setTraits(traits);
   // as many old rolling rows as old manifolds, also in the first step with such materials
   if (s.rolls) tables.reserve(Per::Rolling, tables.capacity(Per::ActivePair));
+  wakeBody(s, slot);
+}
+
+void setBody(HostTables& tables, int slot, const EngineBody& body) {
+  editBody(tables, slot, body);
+  SolverData& s = tables.view();
   s.color[slot] = 0;
   s.force[slot] = s.torque[slot] = {0, 0, 0};
   s.pushed[slot] = 0;

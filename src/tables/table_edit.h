@@ -23,6 +23,8 @@ void reserveNodes(HostTables& tables);
 void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
 void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
+/// Changes authored data, wakes the body and keeps its state.
+void editBody(HostTables& tables, int slot, const EngineBody& body);
 /// Clears the contacts of bodies. `ids`: ascending.
 void forgetContacts(HostTables& tables, std::span<const int> ids);
 /// `firstOfWorld`: of a batch.

@@ -80,6 +80,12 @@ EngineBody engineBody(const BodyDef& def, const ReadyBody& ready, int indexBase,
   return body;
 }
 
+bool sameShape(const Shape& a, const Shape& b) {
+  return a.type == b.type && a.geometry == b.geometry && a.halfExtents == b.halfExtents &&
+         a.radius == b.radius && a.halfLength == b.halfLength && a.rounding == b.rounding;
+}
+bool hasPlane(const BodyDef& def) { return def.shape.type == ShapeType::Plane; }
+
 }  // namespace
 
 void World::Impl::requireAlive(BodyId id) const {
@@ -137,6 +143,63 @@ std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies,
   registry.planes = std::move(planes);
   epoch += static_cast<std::int64_t>(bodies.size());
   return ids;
+}
+
+void World::Impl::redefine(BodyId id, const BodyDef& def) {
+  requireAlive(id);
+  const BodyRecord before = registry.bodies[id];
+  if (def.name != before.def.name)
+    throw Error("body.name", "that of the body, \"" + before.def.name + "\"", "\"" + def.name + "\"");
+  validate(def, "body");
+  std::vector<CookedEntry> fresh;
+  const std::shared_ptr<const CookedShape> cooked = cookShape(def.shape, "body.shape", fresh);
+  const ReadyBody ready{cooked, massOfDefinition(def, cooked->unit, "body")};
+  BodyRecord after{def, ready.mass, {cooked->unit.center, cooked->unit.axes}, cooked->radius, before.joints};
+  const bool reshaped = !sameShape(def.shape, before.def.shape), wasPlane = hasPlane(before.def),
+             framed = after.frame.center != before.frame.center || after.frame.axes != before.frame.axes,
+             stops = def.motion == Motion::Static && before.def.motion != Motion::Static;
+
+  TableAdditions tables(registry);
+  const int base = tables.placeShape(def.shape, cooked), surface = tables.surfaceOf(def.material);
+  std::vector<Edit> edits = tables.edits();
+  edits.push_back(SetBody{id.index, engineBody(def, ready, base, surface), true});
+  if (framed || stops) {
+    BodyState state = bodyState(id);
+    const Vec3 center = state.position;
+    state = after.frame.toEngine(before.frame.toAuthor(state));
+    state.velocity += cross(state.angularVelocity, state.position - center);
+    if (stops) state.velocity = state.angularVelocity = {};
+    edits.push_back(SetBodyState{id.index, state});
+  }
+  if (reshaped || (params.sleeping && def.motion != Motion::Dynamic))
+    edits.push_back(ForgetContacts{{id.index}});
+  std::vector<int> planes = registry.planes;
+  if (wasPlane != hasPlane(def)) {
+    if (wasPlane)
+      std::erase(planes, id.index);
+    else
+      planes.insert(std::ranges::lower_bound(planes, id.index), id.index);
+    edits.push_back(SetPlanes{planes});
+  }
+  tables.prepare(registry);
+  registry.bodies.prepare(0), registry.joints.prepare(0);
+  // joints see the new frame and mass of the body
+  BodyRecord& record = registry.bodies.edit(id);
+  std::swap(record, after);
+  Undo undo([&] { std::swap(record, after); });
+  std::vector<std::pair<JointId, EngineJoint>> joints;
+  for (const JointId joint : record.joints) {
+    joints.emplace_back(joint, changedJoint(registry.joints[joint], registry.joints[joint].def));
+    edits.push_back(SetJoint{registry.joints[joint].engineSlot, joints.back().second, true});
+  }
+  engine->apply(edits);
+
+  undo.keep();
+  tables.commit(registry);
+  registry.planes = std::move(planes);
+  for (auto& [joint, changed] : joints) registry.joints.edit(joint).engine = std::move(changed);
+  for (const AttachmentId a : registry.attachments.ids()) softChanged |= registry.attachments[a].body == id;
+  pass(inputs::SetBodyDefinition{id, def});
 }
 
 void World::Impl::removeBodies(std::span<const BodyId> ids) {

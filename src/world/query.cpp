@@ -37,6 +37,25 @@ void checkRay(const RayQuery& ray, std::size_t i) {
   checks::positive(ray.maxDistance, at("rays", i, "maxDistance"));
 }
 
+/// Authored index of a triangle in the tables.
+int authoredTriangle(const Registry& registry, const Shape& shape, int triangle) {
+  if (triangle < 0 || shape.type != ShapeType::Mesh) return triangle;
+  const CookedEntry* const entry = findCooked(registry.shapes, shape);
+  return entry->cooked->triangleOrder[static_cast<std::size_t>(triangle)];
+}
+
+/// The part of a hit that all kinds have.
+template <class Hit> Hit hitOf(const Registry& registry, const EngineHit& found) {
+  Hit hit;
+  if (found.body < 0) return hit;
+  hit.hit = true;
+  hit.body = *registry.bodies.at(found.body);
+  hit.position = found.position;
+  hit.part = found.part;
+  hit.userData = registry.bodies[hit.body].def.userData;
+  return hit;
+}
+
 /// f(i) for all i < n, in parallel if that pays.
 template <class F> void forEachIndex(std::size_t n, F&& f) {
   constexpr std::size_t kGrain = 2048;
@@ -125,11 +144,19 @@ void World::castRays(std::span<const RayQuery> rays, std::span<RayHit> hits) {
     const std::span<const EngineHit> found = impl_->engine->hits({QueryKind::Ray, queries, {}});
     forEachIndex(rays.size(), [&](std::size_t i) {
       const EngineHit& hit = found[i];
-      hits[i] = hit.body < 0 ? RayHit{}
-                             : RayHit{true, *impl_->registry.bodies.at(hit.body),
-                                      hit.fraction * rays[i].maxDistance, hit.position, hit.normal};
+      RayHit& out = hits[i] = hitOf<RayHit>(impl_->registry, hit);
+      if (!out.hit) return;
+      out.distance = hit.fraction * rays[i].maxDistance, out.normal = hit.normal;
+      out.triangle = authoredTriangle(impl_->registry, impl_->registry.bodies[out.body].def.shape,
+                                      hit.triangle);
     });
   });
+}
+
+RayHit World::castRay(const RayQuery& ray) {
+  RayHit hit;
+  castRays({&ray, 1}, {&hit, 1});
+  return hit;
 }
 
 std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
@@ -143,10 +170,10 @@ std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
       queries[i].move = casts[i].displacement;
     }
     std::vector<CastHit> out;
-    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Cast, queries, shapes.cooked()}))
-      out.push_back(hit.body < 0 ? CastHit{}
-                                 : CastHit{true, *impl_->registry.bodies.at(hit.body), hit.fraction,
-                                           hit.position, hit.normal});
+    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Cast, queries, shapes.cooked()})) {
+      out.push_back(hitOf<CastHit>(impl_->registry, hit));
+      if (hit.body >= 0) out.back().fraction = hit.fraction, out.back().normal = hit.normal;
+    }
     return out;
   });
 }
@@ -178,10 +205,10 @@ std::vector<ClosestHit> World::closestPoints(std::span<const ClosestQuery> point
       queries[i].reach = points[i].maxDistance;
     }
     std::vector<ClosestHit> out;
-    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Closest, queries, {}}))
-      out.push_back(hit.body < 0
-                        ? ClosestHit{}
-                        : ClosestHit{true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
+    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Closest, queries, {}})) {
+      out.push_back(hitOf<ClosestHit>(impl_->registry, hit));
+      if (hit.body >= 0) out.back().distance = hit.fraction;
+    }
     return out;
   });
 }

@@ -62,6 +62,8 @@ template <class Id, class Def> class Slots {
   }
   int size() const { return static_cast<int>(items_->size()); }
   int count() const { return size() - static_cast<int>(free_->size()); }
+  /// visit(items, free) for writing. An item has a definition, a generation, and is alive or not.
+  template <class F> void forLists(F&& visit) { visit(own(items_), own(free_)); }
   std::vector<Id> ids() const {
     std::vector<Id> out;
     for (int i = 0; i < size(); ++i)
@@ -125,6 +127,7 @@ struct JointRecord {
 struct Touch {
   BodyId a, b;
   bool sensor;
+  std::uint64_t userDataA, userDataB;
 };
 
 struct SoftRecord {
@@ -245,6 +248,19 @@ struct World::Impl {
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, std::span<const ReadyBody> ready);
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const std::string& list);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB);
+  /// Redefines a body: as World::setDefinition.
+  void redefine(BodyId id, const BodyDef& def);
+  /// Redefines a body whose definition is changed by edit(BodyDef&).
+  template <class Edit> void editBody(const char* call, BodyId id, Edit&& edit) {
+    withMemory(call, [&] {
+      requireAlive(id);
+      BodyDef def = registry.bodies[id].def;
+      edit(def);
+      redefine(id, def);
+    });
+  }
+  /// The joint with another definition.
+  EngineJoint changedJoint(const JointRecord& record, const JointDef& def) const;
   /// Redefines a joint, with the same type.
   void redefine(JointId id, const JointDef& def);
   /// Redefines a joint whose axis is changed by edit(JointAxis&).

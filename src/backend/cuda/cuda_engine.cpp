@@ -225,12 +225,13 @@ void CudaEngine::sortBodies() {
 }
 
 void CudaEngine::write(const SetBody& e) {
+  if (e.keepsState) mirror_.fetchAll();  // the upload holds the state too
   const int before = host().view().bodies;
   setBodyCount(host(), e.id + 1);
   mirror_.bodiesAdded(before);
   const int slot = slotOf(host(), e.id);
   count(slot, -1);
-  setBody(host(), slot, e.body);
+  (e.keepsState ? editBody : setBody)(host(), slot, e.body);
   count(slot, 1);
   mirror_.bodyWritten(slot);
 }
