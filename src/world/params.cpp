@@ -171,7 +171,7 @@ void setParam(Params& params, const std::string& name, double value) {
   }
   std::string near;
   for (const RangedField& f : ranges())
-    if (editDistance(name, f.field.name) <= std::max<std::size_t>(2, name.size() / 3))
+    if (editDistance(name, f.field.name) < std::min(name.size(), std::max<std::size_t>(3, name.size() / 3)))
       near += std::string(near.empty() ? "one of " : ", ") + f.field.name;
   throw Error("params", near.empty() ? "a parameter of 'rubble info params', such as iterations" : near,
               "\"" + name + "\"");
