@@ -19,6 +19,15 @@ struct Character::Moving {
     return world.castShapes({&query, 1}).front();
   }
   bool walkable(const Vec3& normal) const { return dot(normal, up) >= std::cos(settings.maxSlope); }
+  /// Is it something to stand on? At the edge of a step the surface beside the edge counts.
+  bool carries(const CastHit& hit) const {
+    if (!hit.hit || walkable(hit.normal)) return hit.hit;
+    const Vec3 inward = normalize(level(hit.normal), Vec3{}) * -settings.skin;
+    RayQuery ray{hit.position + inward + up * (3 * settings.skin), -up, 6 * settings.skin, {}};
+    ray.filter.ignore = body;
+    const RayHit surface = world.castRay(ray);
+    return surface.hit && walkable(surface.normal);
+  }
   Vec3 level(const Vec3& v) const { return v - up * dot(v, up); }
 
   /// What lies below, no further than `reach` [m] from the skin.
@@ -59,7 +68,7 @@ struct Character::Moving {
     if (progress > .99 * lengthSquared(way)) return direct;
     const Vec3 above = slide(at, up * settings.stepHeight, false), over = slide(above, way, false);
     const CastHit step = below(over, settings.stepHeight);
-    const bool climbs = step.hit && walkable(step.normal) && dot(over - above, way) > progress;
+    const bool climbs = carries(step) && dot(over - above, way) > progress;
     return climbs ? downTo(step, over, settings.stepHeight) : direct;
   }
 };
@@ -67,7 +76,7 @@ struct Character::Moving {
 bool Character::stands(World& world) const {
   const Moving moving{world, body_, settings_, normalize(-world.gravity(), {0, 0, 1}), world.params().dt};
   const CastHit ground = moving.below(world.state(body_).position, settings_.skin);
-  return ground.hit && moving.walkable(ground.normal);
+  return moving.carries(ground);
 }
 
 void Character::move(World& world, const Vec3& walk, double jumpSpeed) const {
@@ -78,7 +87,7 @@ void Character::move(World& world, const Vec3& walk, double jumpSpeed) const {
   const CastHit ground = moving.below(now.position, settings_.skin);
   const double rising = dot(now.velocity, up);
   // on its way up from a jump it has left the ground, which is still near
-  const bool stood = ground.hit && moving.walkable(ground.normal) && rising * dt < settings_.stepHeight / 4;
+  const bool stood = moving.carries(ground) && rising * dt < settings_.stepHeight / 4;
   const double rise = stood ? jumpSpeed : rising - length(world.gravity()) * dt;
   Vec3 way = moving.level(walk) * dt, at = now.position;
   if (stood) {
@@ -90,7 +99,7 @@ void Character::move(World& world, const Vec3& walk, double jumpSpeed) const {
   if (stood && jumpSpeed <= 0) {
     // downhill and down steps it stays on the ground
     const CastHit floor = moving.below(at, settings_.stepHeight);
-    if (floor.hit && moving.walkable(floor.normal)) at = moving.downTo(floor, at, settings_.stepHeight);
+    if (moving.carries(floor)) at = moving.downTo(floor, at, settings_.stepHeight);
   } else if (rise != 0) {
     at = moving.slide(at, up * (rise * dt), false);
   }
