@@ -91,6 +91,25 @@ BodyDef parseBody(const std::string& text, const std::string& path) {
   return out;
 }
 
+BodyDef parseBodyValues(const std::string& text, const BodyDef& body, const std::string& path) {
+  nlohmann::ordered_json merged = nlohmann::ordered_json::parse(toJson(body));
+  bool reshapes = false;
+  readDefinition(text, path, [&](const Node& node) {
+    ObjectReader object(node, "an object with fields of a body");
+    if (!object.isObject()) return;
+    for (const auto& [key, value] : node.value().items()) {
+      if (key == "mass") merged.erase("density");
+      if (key == "density") merged.erase("mass");
+      reshapes |= key == "shape";
+      merged[key] = value;
+    }
+  });
+  BodyDef out = parseBody(merged.dump(), path);
+  // the same geometry, so that the body keeps its contacts
+  if (!reshapes) out.shape = body.shape;
+  return out;
+}
+
 Shape parseShape(const std::string& text, const std::string& path) {
   Shape out;
   readDefinition(text, path, [&](const Node& node) { out = readShape(node, {}, inlineMaterial); });

@@ -21,6 +21,8 @@ void readDefinition(const std::string& text, const std::string& path,
                     const std::function<void(const Node&)>& read);
 
 BodyDef parseBody(const std::string& text, const std::string& path = "body");
+/// `body` with the values of the text in place of its own. "mass" and "density" replace each other.
+BodyDef parseBodyValues(const std::string& text, const BodyDef& body, const std::string& path = "body");
 /// A list of bodies.
 std::vector<BodyDef> parseBodies(const std::string& text, const std::string& path = "bodies");
 Shape parseShape(const std::string& text, const std::string& path = "shape");

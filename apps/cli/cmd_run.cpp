@@ -20,6 +20,8 @@ struct RunOptions {
 };
 
 int run(const RunOptions& options) {
+  for (const std::string& file : {options.jsonFile, options.recordFile, options.inputsFile})
+    requireWritable(file);
   PreparedJob prepared = prepareJob(options.job);
   prepared.world.timings = !options.noStages;
   SessionOptions session;
