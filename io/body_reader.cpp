@@ -43,6 +43,7 @@ void readExtras(ObjectReader& object, BodyDef& out) {
   if (const auto found = object.get("group"))
     out.filter.group = found->whole(std::numeric_limits<int>::min(), "a whole number").value_or(0);
   object.read("sensor", out.sensor);
+  object.read("user_data", out.userData);
 }
 
 void checkName(const Node& node, const BodyDef& body) {

@@ -122,6 +122,7 @@ void readJointValues(ObjectReader& object, JointDef& out) {
     field.visit(out, [&](auto& value) { readField(object, field, value); });
   readAxes(object, out);
   object.read("collide", out.collide);
+  object.read("user_data", out.userData);
 }
 
 }  // namespace rubble::io

@@ -47,6 +47,7 @@ nlohmann::ordered_json jointJson(const JointDef& joint,
   }
   if (said) json["axes"] = std::move(axes);
   if (joint.collide != usual.collide) json["collide"] = joint.collide;
+  if (joint.userData != 0) json["user_data"] = joint.userData;
   return json;
 }
 

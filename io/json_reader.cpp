@@ -246,6 +246,14 @@ void ObjectReader::read(const std::string& key, std::string& out) {
 void ObjectReader::read(const std::string& key, bool& out) {
   if (const auto node = get(key)) out = node->boolean().value_or(out);
 }
+void ObjectReader::read(const std::string& key, std::uint64_t& out) {
+  const auto node = get(key);
+  if (!node) return;
+  if (node->value().is_number_unsigned())
+    out = node->value().get<std::uint64_t>();
+  else
+    node->fault("a whole number from 0 to 2^64 - 1");
+}
 void ObjectReader::read(const std::string& key, Vec3& out) {
   if (const auto node = get(key)) out = node->vector().value_or(out);
 }

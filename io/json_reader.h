@@ -77,6 +77,7 @@ class ObjectReader {
   void read(const std::string& key, double& out, const Want& want = {});
   void read(const std::string& key, std::string& out);
   void read(const std::string& key, bool& out);
+  void read(const std::string& key, std::uint64_t& out);
   void read(const std::string& key, Vec3& out);
 
  private:

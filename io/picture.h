@@ -37,6 +37,8 @@ enum class ColorBy { Body, Material, Speed, Island, Color, Error, Multiplier, St
 struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
+  std::vector<std::uint8_t> alpha =
+      {};  ///< a byte a pixel, of colors that are not multiplied by it; may be empty
 };
 
 /// Every body of a world as it is now, then its deformable objects: a sphere for each particle, a mesh for

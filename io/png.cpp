@@ -18,11 +18,18 @@ void writePng(const Image& image, const std::string& file) {
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(image.width);
   header.height = static_cast<png_uint_32>(image.height);
-  header.format = PNG_FORMAT_RGB;
+  const bool hasAlpha = !image.alpha.empty();
+  header.format = hasAlpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> withAlpha;
+  for (std::size_t i = 0; i < image.alpha.size(); ++i) {
+    withAlpha.insert(withAlpha.end(), &image.rgb[3 * i], &image.rgb[3 * i] + 3);
+    withAlpha.push_back(image.alpha[i]);
+  }
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<char> bytes(size);
-  const int made = png_image_write_to_memory(&header, bytes.data(), &size, 0, image.rgb.data(),
-                                             3 * image.width, nullptr);
+  const int made = png_image_write_to_memory(&header, bytes.data(), &size, 0,
+                                             hasAlpha ? withAlpha.data() : image.rgb.data(),
+                                             (hasAlpha ? 4 : 3) * image.width, nullptr);
   const std::string message = header.message;
   png_image_free(&header);
   if (!made) throw Error(file, "a picture that can be compressed", message);

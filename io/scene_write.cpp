@@ -50,6 +50,7 @@ void writeExtras(const BodyDef& body, Json& json) {
   if (body.filter.mask != usual.filter.mask) json["mask"] = layersJson(body.filter.mask);
   if (body.filter.group != usual.filter.group) json["group"] = body.filter.group;
   if (body.sensor) json["sensor"] = true;
+  if (body.userData != 0) json["user_data"] = body.userData;
 }
 
 class SceneWriter {

@@ -80,7 +80,7 @@ Camera cameraShowing(std::span<const io::PictureBody> bodies, const Vec3& gravit
     const double along = kMargin * std::fabs(dot(p, cameraUp)) / tall;
     distance = std::max({distance, across + behind, along + behind});
   }
-  return {target - forward * distance, target, up, framing.fieldOfView};
+  return {target - forward * (distance * framing.closer), target, up, framing.fieldOfView};
 }
 
 }  // namespace rubble::render

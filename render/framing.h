@@ -12,6 +12,7 @@ struct Framing {
   double spread = 0;        ///< room on every side for what may fall there, over the height of what stands
   double aspect = 16. / 9;  ///< width of the picture over its height
   double fieldOfView = .6;  ///< full vertical angle [rad]
+  double closer = 1;        ///< distance over that from which everything is seen [1]
 };
 
 /// A camera that sees all bodies but planes. Up is against gravity.

@@ -1,5 +1,7 @@
 #include "render/painter.h"
 
+#include <algorithm>
+
 #include <rubble/error.h>
 
 #if defined(RUBBLE_HAS_GL)
@@ -17,7 +19,9 @@ class GlPainter final : public Painter {
   GlPainter(std::span<const io::PictureBody> atStart, const Vec3& gravity, const Camera& camera,
             const PaintSettings& settings)
       : settings_(settings), stage_(atStart, gravity, camera, settings.width, settings.height) {
-    quality_.samples = settings.samples;
+    quality_.samples = settings.transparent ? std::max(2, settings.samples) : settings.samples;
+    stage_.setting().background = settings.background;
+    stage_.setting().transparent = settings.transparent;
   }
 
   io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera,
@@ -26,6 +30,7 @@ class GlPainter final : public Painter {
     stage_.setBodies(bodies, settings_.colorBy, settings_.fullValue);
     return stage_.picture(camera, quality_);
   }
+  std::vector<float> depths() const override { return stage_.renderer().readDepths(); }
 
  private:
   PaintSettings settings_;

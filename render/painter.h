@@ -2,6 +2,7 @@
 /// Pictures without a display. Every build has this interface. One without the renderer refuses to make the
 /// device.
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -16,6 +17,9 @@ struct PaintSettings {
   int samples = 1;
   io::ColorBy colorBy = io::ColorBy::Body;
   double fullValue = 0;  ///< value of the hottest color; 0: the largest one of each picture
+  /// As in Setting.
+  std::optional<Vec3f> background = {};
+  bool transparent = false;
 };
 
 /// Draws the pictures of one run. Colors and light are chosen from the scene as it begins.
@@ -24,6 +28,8 @@ class Painter {
   virtual ~Painter() = default;
   virtual io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera,
                           std::span<const Line> lines = {}) = 0;
+  /// View depth of each pixel of the last picture, rows from the top [m]; infinity in the sky.
+  virtual std::vector<float> depths() const = 0;
 };
 
 /// What draws. Painters must not outlive it.

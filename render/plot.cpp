@@ -58,7 +58,11 @@ std::vector<std::string> namesOf(const std::vector<Json>& reports) {
     if (dt) add("dt " + tickText(r.at("dt").get<double>()) + " s");
     names.push_back(name.empty() ? r.at("scene").get<std::string>() : name);
   }
-  // Reports that differ in nothing of this are counted.
+  // Reports that differ in nothing of this have the names of their files, or are counted.
+  const std::vector<std::string> before = names;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::ranges::count(before, names[i]) > 1 && reports[i].contains("file"))
+      names[i] += ", " + reports[i].at("file").get<std::string>();
   for (std::size_t i = 0; i < names.size(); ++i) {
     int same = 1;
     for (std::size_t k = i + 1; k < names.size(); ++k)
@@ -143,7 +147,9 @@ std::vector<Panel> seriesPanel(const std::vector<Json>& reports, const std::vect
     for (std::size_t k = 0; k < std::min(times.size(), values.size()); ++k)
       if (times[k].is_number() && values[k].is_number())
         row.points.push_back({times[k].get<double>(), values[k].get<double>()});
-    if (row.points.size() > 1) panel.rows.push_back(std::move(row));
+    // of what is 0 throughout, such as the joints of a scene without any, a logarithm shows nothing
+    const bool shows = !logarithmic || std::ranges::any_of(row.points, [](const auto& p) { return p.y > 0; });
+    if (row.points.size() > 1 && shows) panel.rows.push_back(std::move(row));
   }
   return panel.rows.empty() ? std::vector<Panel>{} : std::vector<Panel>{panel};
 }
@@ -238,6 +244,7 @@ std::vector<Json> readReports(const std::vector<std::string>& files) {
                         report.contains("dt") && report["dt"].is_number();
       if (!good) throw Error(file, "reports of run or bench (--json)", "something else");
       reports.push_back(report);
+      reports.back()["file"] = std::filesystem::path(file).stem().string();
     }
   }
   return reports;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -24,6 +25,15 @@ constexpr float kNearShare = .5f;
 constexpr int kCellsToScene = 12;
 /// From so many samples on, occlusion needs no blur: the samples average its pattern.
 constexpr int kSamplesWithoutBlur = 24;
+
+/// Rows in the other order.
+template <class T> std::vector<T> fromTheTop(const std::vector<T>& upward, std::size_t row) {
+  std::vector<T> out;
+  out.reserve(upward.size());
+  for (auto end = upward.end(); end != upward.begin(); end -= static_cast<std::ptrdiff_t>(row))
+    out.insert(out.end(), end - static_cast<std::ptrdiff_t>(row), end);
+  return out;
+}
 
 /// Point `index` of the radical inverse sequence of a base, in [0, 1).
 float radicalInverse(int index, int base) {
@@ -57,7 +67,7 @@ struct Renderer::Impl {
   Bounds surfaceBounds;
   std::optional<Targets> targets;
   std::optional<ShadowTargets> shadows;
-  bool many = false;
+  bool many = false, transparent = false;
   int selected = -1;
   const std::vector<float> heatStops = render::heatStops();
   bool measure = false;
@@ -232,6 +242,9 @@ void Renderer::Impl::drawLight(const Eye& eye, const Setting& setting, const Qua
   light.set("up", up.x, up.y, up.z);
   light.set("fadeDistance", static_cast<float>(setting.sceneSize));
   light.set("weight", 1 / static_cast<float>(quality.samples));
+  const Vec3f background = setting.background.value_or(Vec3f{});
+  light.set("background", background.x, background.y, background.z, setting.background ? 1.f : 0.f);
+  light.set("transparent", setting.transparent ? 1 : 0);
   light.set("turn", turn);
   pass.run(targets->lightTarget, {&targets->light});
   endPass("light");
@@ -313,6 +326,8 @@ void Renderer::draw(const Camera& camera, const Setting& setting, const Quality&
   r.targets->light.bind(0);
   display.set("lights", 0);
   display.set("texel", 1 / static_cast<float>(r.width), 1 / static_cast<float>(r.height));
+  if (many) display.set("transparent", setting.transparent ? 1 : 0);
+  r.transparent = setting.transparent && many;
   pass.run(r.targets->pictureTarget, {&r.targets->picture});
   r.targets->pictureTarget.bind();
   r.lines.draw(eye, r.targets->depths);
@@ -325,16 +340,27 @@ void Renderer::finish() const { glFinish(); }
 io::Image Renderer::read() const {
   const int width = impl_->width, height = impl_->height;
   io::Image image{width, height, {}};
-  const std::size_t row = 3 * static_cast<std::size_t>(width);
-  std::vector<std::uint8_t> upward(row * static_cast<std::size_t>(height));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->pictureTarget.id());
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
-  image.rgb.resize(upward.size());
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-    std::copy_n(upward.data() + row * (static_cast<std::size_t>(height) - 1 - y), row,
-                image.rgb.data() + row * y);
+  const auto bytes = [&](GLenum format, std::size_t each) {
+    std::vector<std::uint8_t> upward(each * static_cast<std::size_t>(width) *
+                                     static_cast<std::size_t>(height));
+    glReadPixels(0, 0, width, height, format, GL_UNSIGNED_BYTE, upward.data());
+    return fromTheTop(upward, each * static_cast<std::size_t>(width));
+  };
+  image.rgb = bytes(GL_RGB, 3);
+  if (impl_->transparent) image.alpha = bytes(GL_ALPHA, 1);
   return image;
+}
+
+std::vector<float> Renderer::readDepths() const {
+  const int width = impl_->width, height = impl_->height;
+  std::vector<float> upward(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->bodies.id());
+  glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, upward.data());
+  for (float& depth : upward)
+    depth = depth >= 1 ? std::numeric_limits<float>::infinity() : impl_->lastEye->nearest / (1 - depth);
+  return fromTheTop(upward, static_cast<std::size_t>(width));
 }
 
 void Renderer::show(unsigned framebuffer, int left) const {
@@ -360,6 +386,20 @@ int Renderer::bodyAt(int x, int y) const {
 int Renderer::surfaceAt(int x, int y) const {
   const std::uint32_t seen = impl_->slotAt(x, y), first = impl_->bodies.surfaceSlot(0);
   return seen == 0 || seen - 1 < first ? -1 : static_cast<int>(seen - 1 - first);
+}
+
+std::vector<int> Renderer::readBodies() const {
+  const int width = impl_->width, height = impl_->height;
+  std::vector<GLuint> seen(2 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->bodies.id());
+  glReadPixels(0, 0, width, height, GL_RG_INTEGER, GL_UNSIGNED_INT, seen.data());
+  const std::uint32_t first = impl_->bodies.surfaceSlot(0);
+  std::vector<int> upward;
+  for (std::size_t i = 0; i < seen.size(); i += 2)
+    upward.push_back(seen[i] == 0           ? -1
+                     : seen[i] - 1 >= first ? -2 - static_cast<int>(seen[i] - 1 - first)
+                                            : impl_->bodies.bodyOfSlot(seen[i] - 1));
+  return fromTheTop(upward, static_cast<std::size_t>(width));
 }
 
 Vec3 Renderer::pointAt(int x, int y) const {

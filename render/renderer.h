@@ -2,6 +2,7 @@
 /// Draws bodies and surfaces under sun and sky with OpenGL. One thread, one context, which must be current in
 /// every call.
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,11 @@ struct Setting {
   Vec3 toSun{-.4, -.5, .77};  ///< unit
   double bodySize = .5;       ///< half size of a typical body: what occlusion and shadows are scaled by [m]
   double sceneSize = 20;      ///< planes fade into the horizon from about here on [m]
+  /// Color in place of the sky, linear.
+  std::optional<Vec3f> background = {};
+  /// The picture has an alpha channel, in which sky and planes are transparent. Needs several samples a
+  /// pixel.
+  bool transparent = false;
 };
 
 struct Quality {
@@ -62,6 +68,8 @@ class Renderer {
   void finish() const;
   /// The last picture. Waits for the GPU.
   io::Image read() const;
+  /// View depth of each pixel of the last picture, rows from the top [m]; infinity in the sky.
+  std::vector<float> readDepths() const;
   /// Copies the last picture to a framebuffer (0: the window), so many pixels from its left.
   void show(unsigned framebuffer, int left = 0) const;
   /// Body at a pixel (from the left and the top) of the last picture, or -1.
@@ -70,6 +78,9 @@ class Renderer {
   int surfaceAt(int x, int y) const;
   /// Point of the world that is seen at a pixel of the last picture; far away where that is the sky.
   Vec3 pointAt(int x, int y) const;
+  /// What each pixel of the last picture shows, rows from the top: a body by its place, -1 the sky, -2 - k
+  /// the deformable surface k.
+  std::vector<int> readBodies() const;
   /// Draws this body highlighted; -1: none.
   void select(int body);
 

@@ -1,6 +1,6 @@
 #include "render/shape_meshes.h"
 
-#include "cook/shape_mesh.h"
+#include <rubble/mesh.h>
 
 namespace rubble::render {
 

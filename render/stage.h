@@ -33,6 +33,8 @@ class Stage {
   const std::vector<std::uint32_t>& surfaceKeys() const { return surfaceKeys_; }
 
   Renderer& renderer() { return renderer_; }
+  const Renderer& renderer() const { return renderer_; }
+  Setting& setting() { return setting_; }
   const Setting& setting() const { return setting_; }
   /// What the hottest color stands for in the last picture.
   double fullValue() const { return fullValue_; }

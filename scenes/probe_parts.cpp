@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "cook/cook.h"
-#include "cook/shape_mesh.h"
+#include <rubble/mesh.h>
 
 namespace rubble::scenes {
 namespace {

@@ -18,19 +18,21 @@ std::string text(double number) {
   return out.str();
 }
 
-/// "one of a, b, c" of those names that are like `name`; all of them if none is.
-std::string nearNames(const std::string& name, const std::vector<std::string>& names) {
+/// "one of a, b, c" of those names that are like `name`; if none is, of all of them or, of many, where they
+/// are listed.
+std::string nearNames(const std::string& name, const std::vector<std::string>& names, const char* list) {
+  constexpr std::size_t kMany = 12, kMostNear = 8;
   const std::size_t tolerance = std::max<std::size_t>(2, name.size() / 3);
-  std::string near;
-  for (const bool all : {false, true}) {
-    for (const std::string& candidate : names) {
-      const bool alike = candidate.find(name) != std::string::npos ||
-                         editDistance(name, candidate) <= tolerance;
-      if (all || alike) near += (near.empty() ? "" : ", ") + candidate;
-    }
-    if (!near.empty()) break;
-  }
-  return near.empty() ? "no name at all" : "one of " + near;
+  std::vector<std::string> near;
+  for (const std::string& candidate : names)
+    if (candidate.find(name) != std::string::npos || editDistance(name, candidate) <= tolerance)
+      near.push_back(candidate);
+  if (near.empty() && names.size() > kMany) return std::string("one of those that '") + list + "' lists";
+  if (near.empty()) near = names;
+  if (near.size() > kMany) near.resize(kMostNear), near.emplace_back("...");
+  std::string text;
+  for (const std::string& each : near) text += (text.empty() ? "" : ", ") + each;
+  return text.empty() ? "no name at all" : "one of " + text;
 }
 
 std::vector<Spec> makeRegistry() {
@@ -44,7 +46,7 @@ std::vector<Spec> makeRegistry() {
         &robotSpecs,         &ragdollSpecs,     &cableSpecs,       &springSpecs,    &paperSpecs,
         &softSolidSpecs,     &softSheetSpecs,   &softContactSpecs, &softDentSpecs,  &softClaySpecs,
         &softPressureSpecs,  &softMachineSpecs, &rodSpecs,         &softPlateSpecs, &softGrainSpecs,
-        &mixedSpecs,         &softStringSpecs})
+        &mixedSpecs,         &softStringSpecs,  &driverSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;
 }
@@ -76,7 +78,7 @@ const Spec& find(const std::string& name) {
     if (spec.name == name) return spec;
     names.push_back(spec.name);
   }
-  throw Error("scene", nearNames(name, names), "\"" + name + "\"");
+  throw Error("scene", nearNames(name, names, "rubble info scenes"), "\"" + name + "\"");
 }
 
 Arguments resolve(const Spec& spec, const Arguments& overrides) {
@@ -90,7 +92,7 @@ Arguments resolve(const Spec& spec, const Arguments& overrides) {
     const auto found = std::find_if(spec.arguments.begin(), spec.arguments.end(),
                                     [&, key = name](const Argument& a) { return a.name == key; });
     if (found == spec.arguments.end())
-      throw Error(spec.name + ", argument", nearNames(name, names), "\"" + name + "\"");
+      throw Error(spec.name + ", argument", nearNames(name, names, "rubble info scene"), "\"" + name + "\"");
     const std::string range = "[" + text(found->min) + ", " + text(found->max) + "]";
     if (!(number >= found->min && number <= found->max))
       throw Error(spec.name + ", argument " + name, "a number in " + range, text(number));
@@ -109,6 +111,7 @@ Job prepare(const Spec& spec, const Arguments& arguments) {
   job.scene.description = spec.doc;
   job.claims = spec.claims(resolved);
   job.camera = spec.camera(resolved, job.scene);
+  if (spec.driver) job.drive = spec.driver(resolved, job.scene);
   job.steps = spec.steps;
   job.iterations = spec.iterations;
   job.substeps = spec.substeps;

@@ -58,6 +58,10 @@ struct Camera {
   Vec3 eye, target;
 };
 
+/// Acts on a world before each step, as a player would. It keeps nothing between calls, so a run may be set
+/// back.
+using Drive = std::function<void(World&)>;
+
 struct Spec {
   std::string name;
   std::string doc;  ///< one sentence; source of the scene
@@ -66,6 +70,7 @@ struct Spec {
   std::function<Probes(const Arguments&, const Scene&)> probes;
   std::function<std::vector<Claim>(const Arguments&)> claims;
   std::function<Camera(const Arguments&, const Scene&)> camera;
+  std::function<Drive(const Arguments&, const Scene&)> driver = {};  ///< none if empty
   int steps = 600;        ///< of a full run at dt 1/60; scaled with dt
   int iterations = 4;     ///< what the verdict is stated for
   int substeps = 1;       ///< likewise
@@ -90,6 +95,7 @@ struct Job {
   Scene scene;
   Probes probes;
   std::vector<Claim> claims;
+  Drive drive;  ///< may be empty
   Camera camera;
   int steps = 600;
   int iterations = 4;
@@ -118,7 +124,7 @@ class Runner {
   Runner(Job job, const WorldOptions& options);
   World& world() { return world_; }
   const Job& job() const { return job_; }
-  StepReport step();  ///< events of this step, then one step
+  StepReport step();  ///< events of this step, the driver, then one step
   RunResult run(int steps, const Observer& observer = {});
   /// Continues from World::stateBytes() of a run of the same job: events of earlier steps happen at once.
   /// Throws Error as World::setStateBytes().

@@ -76,6 +76,7 @@ StepReport Runner::step() {
   const std::vector<Event>& events = job_.scene.events;
   for (; nextEvent_ < events.size() && events[nextEvent_].step <= world_.stepCount(); ++nextEvent_)
     apply(world_, events[nextEvent_]);
+  if (job_.drive) job_.drive(world_);
   StepReport report = world_.step();
   for (auto& probe : job_.probes) probe->afterStep(world_, report);
   return report;

@@ -4,6 +4,7 @@
 
 #include "apps/cli/command.h"
 #include "apps/cli/edit_bench.h"
+#include "apps/cli/job.h"
 #include "apps/cli/measure.h"
 #include "apps/cli/search.h"
 #include "apps/cli/session.h"
@@ -108,13 +109,13 @@ void addBench(CLI::App& app, int& status) {
       ->add_option("-t,--threads", options->threads,
                    "Numbers of worker threads, with commas between; one run for each; 0 is one a core")
       ->delimiter(',')
-      ->check(CLI::NonNegativeNumber)
+      ->check(notBelowZero())
       ->capture_default_str();
   command->add_flag("--search-60hz", options->search,
                     "Instead of scenes: find the most walls ('walls', 1,620 bricks each) whose mean step, "
                     "settled and smash, stays under --limit");
   command->add_option("--limit", options->limitMs, "For --search-60hz [ms]")
-      ->check(CLI::PositiveNumber)
+      ->check(aboveZero())
       ->capture_default_str();
   command->add_flag("--edits", options->edits,
                     "Instead of phases: what an edit or a query before every step costs. --steps: for each "
@@ -122,7 +123,7 @@ void addBench(CLI::App& app, int& status) {
   command
       ->add_option("--worlds", options->worlds,
                    "Instead of phases: that many worlds of each scene in one batch (rubble/worlds.h)")
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
   command->add_flag(
       "--no-stages", options->noStages,
       "Without the clocks of stages, which cost a GPU some percent of a small step: the whole step only");

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/cli/command.h"
 #include "apps/cli/file_job.h"
@@ -8,16 +9,26 @@ namespace {
 
 struct CheckOptions {
   std::vector<std::string> files;
-  bool quiet = false;
+  bool quiet = false, json = false;
 };
 
 int check(const CheckOptions& options) {
   int status = kHolds;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const std::string& file : options.files) {
     io::SceneFile scene;
     std::vector<io::Fault> faults = checkFile(file, scene);
     if (faults.empty()) faults = worldFaults(scene.scene);
-    if (!faults.empty()) {
+    if (options.json) {
+      nlohmann::ordered_json entry{{"file", file}, {"good", faults.empty()}};
+      for (const io::Fault& fault : faults)
+        entry["faults"].push_back({{"path", fault.path},
+                                   {"line", fault.line},
+                                   {"column", fault.column},
+                                   {"message", fault.message}});
+      if (!faults.empty()) status = kBadInput;
+      list.push_back(std::move(entry));
+    } else if (!faults.empty()) {
       fmt::print(stderr, "{}\n", io::faultText(file, faults));
       status = kBadInput;
     } else if (!options.quiet) {
@@ -25,6 +36,7 @@ int check(const CheckOptions& options) {
                  scene.scene.joints.size(), scene.scene.events.size(), scene.claims.size());
     }
   }
+  if (options.json) fmt::print("{}\n", list.dump(2));
   return status;
 }
 
@@ -35,6 +47,7 @@ void addCheck(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand("check", "Read scene files and explain every fault with its place");
   command->add_option("files", options->files, "Scene files (.json)")->required();
   command->add_flag("-q,--quiet", options->quiet, "Say nothing of files that are good");
+  command->add_flag("--json", options->json, "As JSON: a list with an entry for each file");
   command->footer("Exit status: 0 every file is good, 2 one is not.");
   command->callback([options, &status] { status = check(*options); });
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/cli/command.h"
 #include "apps/cli/job.h"
@@ -17,6 +18,7 @@ struct CompareOptions {
   std::vector<int> threads{0};
   std::optional<double> within;
   int every = 0;
+  bool json = false;
 };
 
 struct Difference {
@@ -111,9 +113,12 @@ int compareTwo(const CompareOptions& options) {
   PreparedJob jobs[2] = {prepared(options, 0), prepared(options, 1)};
   const int steps = jobs[0].steps;
   scenes::Runner a(std::move(jobs[0].job), jobs[0].world), b(std::move(jobs[1].job), jobs[1].world);
-  fmt::print("{}: {} ({} threads) against {} ({} threads)\n", jobs[0].title, jobs[0].world.backend,
-             threadCount(jobs[0].world.threads), jobs[1].world.backend, threadCount(jobs[1].world.threads));
-  fmt::print("{:>8}{:>16}{:>16}   {}\n", "step", "position [m]", "angle [rad]", "farthest apart");
+  nlohmann::ordered_json shown = nlohmann::ordered_json::array();
+  if (!options.json) {
+    fmt::print("{}: {} ({} threads) against {} ({} threads)\n", jobs[0].title, jobs[0].world.backend,
+               threadCount(jobs[0].world.threads), jobs[1].world.backend, threadCount(jobs[1].world.threads));
+    fmt::print("{:>8}{:>16}{:>16}   {}\n", "step", "position [m]", "angle [rad]", "farthest apart");
+  }
   double worst = 0;
   int parted = 0;     // first step after which the states have other bits
   std::string other;  // whose
@@ -126,9 +131,25 @@ int compareTwo(const CompareOptions& options) {
       other = firstOtherBits(a.world(), b.world());
       if (!other.empty()) parted = step;
     }
-    if (isShown(step, steps, options.every))
+    if (!isShown(step, steps, options.every)) continue;
+    if (options.json)
+      shown.push_back({{"step", step},
+                       {"position_m", difference.position},
+                       {"angle_rad", difference.angle},
+                       {"farthest", difference.what}});
+    else
       fmt::print("{:>8}{:>16.3e}{:>16.3e}   {}\n", step, difference.position, difference.angle,
                  difference.what);
+  }
+  const bool holds = !options.within || worst <= *options.within;
+  if (options.json) {
+    nlohmann::ordered_json record{{"scene", jobs[0].title},
+                                  {"backends", {jobs[0].world.backend, jobs[1].world.backend}}};
+    record["steps"] = std::move(shown);
+    record["largest_m"] = worst, record["identical"] = parted == 0, record["holds"] = holds;
+    if (parted > 0) record["first_difference"] = {{"step", parted}, {"what", other}};
+    fmt::print("{}\n", record.dump(2));
+    return holds ? kHolds : kDoesNotHold;
   }
   if (parted > 0)
     fmt::print("not the same bits: the first difference is after step {}, in the {}\n", parted, other);
@@ -137,7 +158,6 @@ int compareTwo(const CompareOptions& options) {
                                            ? "every state of every step, and all that lasts at the end"
                                            : "every state of every step, though not all that lasts");
   if (!options.within) return kHolds;
-  const bool holds = worst <= *options.within;
   fmt::print("verdict: {}: largest difference {}, wanted at most {}\n", holds ? "holds" : "does not hold",
              lengthText(worst), lengthText(*options.within));
   return holds ? kHolds : kDoesNotHold;
@@ -183,15 +203,16 @@ void addCompare(CLI::App& app, int& status) {
       ->capture_default_str();
   command->add_option("-t,--threads", options->threads, "Worker threads of each; 0 is one a core")
       ->delimiter(',')
-      ->check(CLI::NonNegativeNumber)
+      ->check(notBelowZero())
       ->capture_default_str();
   command
       ->add_option("--every", options->every, "Show every so many steps (default: 1, 2, 5, 10, 20, 50 ...)")
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
   command
       ->add_option("--within", options->within,
                    "Wanted: no body farther apart than this [m]; else the exit status is 1")
-      ->check(CLI::NonNegativeNumber);
+      ->check(notBelowZero());
+  command->add_flag("--json", options->json, "As JSON");
   command->callback([options, &status] { status = compare(*options); });
 }
 

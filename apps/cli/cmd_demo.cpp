@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/cli/command.h"
+#include "apps/cli/job.h"
 #include "apps/cli/render_job.h"
 #include "apps/cli/session.h"
 #include "apps/cli/text_report.h"
@@ -109,7 +110,7 @@ void addDemo(CLI::App& app, int& status) {
   auto* backend = command->add_option("-b,--backend", options->job.backend,
                                       "Where the step runs (default: cuda where there is a GPU, else cpu)");
   command->add_option("-t,--threads", options->job.threads, "Worker threads; 0 is one a core")
-      ->check(CLI::NonNegativeNumber)
+      ->check(notBelowZero())
       ->capture_default_str();
   command->add_flag("--no-film", options->noFilm, "Pictures only");
   command->add_flag("-q,--quiet", options->quiet, "No progress");

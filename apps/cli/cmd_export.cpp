@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "apps/cli/command.h"
+#include "apps/cli/job.h"
 #include "apps/cli/output.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/render_job.h"
@@ -136,9 +137,9 @@ void addExport(CLI::App& app, int& status) {
                      fmt::join(convert::exportEndings(), ", ")))
       ->required()
       ->type_name("FILE");
-  sub->add_option("--from", options.from, "First frame")->check(CLI::NonNegativeNumber);
-  sub->add_option("--to", options.to, "Last frame (default: the last one)")->check(CLI::NonNegativeNumber);
-  sub->add_option("--every", options.every, "One frame of so many")->check(CLI::PositiveNumber);
+  sub->add_option("--from", options.from, "First frame")->check(notBelowZero());
+  sub->add_option("--to", options.to, "Last frame (default: the last one)")->check(notBelowZero());
+  sub->add_option("--every", options.every, "One frame of so many")->check(aboveZero());
   sub->add_flag("--resume", options.resume, "CSV and OBJ: go on after the frames that are there");
   sub->add_option("--record", command->recordFile, "Of a scene: keep its trajectory (.rubble)")
       ->type_name("FILE");

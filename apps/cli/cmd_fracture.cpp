@@ -1,4 +1,5 @@
 #include "apps/cli/command.h"
+#include "apps/cli/job.h"
 #include "apps/cli/mesh_options.h"
 
 namespace rubble::cli {
@@ -21,13 +22,13 @@ void addFracture(CLI::App& app, int& status) {
                   "A mesh: .obj, .stl, .ply, .msh; with assimp also .dae, .gltf and more")
       ->required();
   sub->add_option("--pieces", command->fracture.pieces, "Number of pieces; concave ones are cut further")
-      ->check(CLI::PositiveNumber)
+      ->check(aboveZero())
       ->capture_default_str();
   sub->add_option("--seed", command->fracture.seed, "Another one gives other pieces")->capture_default_str();
   sub->add_option("--strength", command->fracture.strength, "Tensile strength of the joints [Pa]")
       ->capture_default_str();
   sub->add_option("--strike", command->fracture.strike, "A ball of this speed hits it after one second [m/s]")
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
   addMeshOptions(*sub, command->mesh);
   addSceneOutput(*sub, command->output);
   sub->add_flag("-q,--quiet", command->output.quiet, "No report");

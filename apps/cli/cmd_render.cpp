@@ -1,10 +1,15 @@
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
 #include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/cli/command.h"
+#include "apps/cli/job.h"
 #include "apps/cli/output.h"
 #include "apps/cli/render_job.h"
 #include "apps/cli/render_view.h"
@@ -18,8 +23,23 @@ struct RenderCommand {
   double orbitDegrees = 0;
   std::vector<std::string> show;
   int measure = 0;
-  bool live = false;
+  bool live = false, json = false;
+  std::string background, path;
 };
+
+/// Linear color of "RRGGBB".
+Vec3T<float> colorNamed(std::string text) {
+  if (text.starts_with('#')) text.erase(0, 1);
+  std::uint32_t rgb = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rgb, 16);
+  if (text.size() != 6 || error != std::errc{} || end != text.data() + text.size())
+    throw Error("--background", "a color RRGGBB, such as ffffff", text);
+  const auto channel = [&](int shift) {
+    const float s = static_cast<float>((rgb >> shift) & 255u) / 255;
+    return s <= .04045f ? s / 12.92f : std::pow((s + .055f) / 1.055f, 2.4f);
+  };
+  return {channel(16), channel(8), channel(0)};
+}
 
 void printMeasure(const RenderMeasure& m, const RenderOptions& options) {
   fmt::print("{} bodies, {}x{}, {}\n", grouped(static_cast<long long>(m.bodies)), options.width,
@@ -58,6 +78,13 @@ int renderNow(RenderCommand& command) {
   options.colorBy = look.colorBy;
   options.orbit = command.orbitDegrees * std::numbers::pi / 180;
   options.show = render::overlaysNamed(command.show);
+  if (!command.background.empty()) options.background = colorNamed(command.background);
+  if (!command.path.empty()) options.path = std::make_shared<const render::CameraPath>(command.path);
+  if (options.transparent &&
+      (std::filesystem::path(options.out).extension() != ".png" || !options.compare.empty()))
+    throw Error("--transparent", "one run, into .png files", options.out);
+  if (!options.depthFile.empty() && std::filesystem::path(options.depthFile).extension() != ".npy")
+    throw Error("--depth", "a file that ends in .npy", options.depthFile);
   if (command.live && command.measure == 0) throw Error("--live", "--measure as well", "none");
   if (command.measure > 0) {
     printMeasure(measureRender(options, command.measure, command.live), options);
@@ -65,7 +92,12 @@ int renderNow(RenderCommand& command) {
   }
   if (options.out.empty()) throw Error("--out", "a file for the film or the pictures", "none");
   const RenderResult result = renderFilm(options);
-  if (!options.quiet)
+  if (command.json)
+    fmt::print(
+        "{}\n",
+        nlohmann::ordered_json{{"out", options.out}, {"pictures", result.frames}, {"device", result.device}}
+            .dump());
+  else if (!options.quiet)
     fmt::print("{}: {} picture{}, {}\n", options.out, result.frames, result.frames == 1 ? "" : "s",
                result.device);
   return kHolds;
@@ -90,6 +122,18 @@ void addRender(CLI::App& app, int& status) {
       ->capture_default_str();
   addViewOptions(*sub, command->look);
   sub->add_option("--orbit", command->orbitDegrees, "Turn the camera about its target [degrees/s of film]");
+  sub->add_option(
+         "--camera-path", command->path,
+         "Key frames of the camera: a JSON list of {\"time\" [s of film], \"eye\", \"target\" [m], \"fov\"}")
+      ->type_name("FILE");
+  sub->add_option("--background", command->background, "A color in place of the sky")->type_name("RRGGBB");
+  sub->add_flag("--transparent", options.transparent, "Sky and ground planes are transparent (.png)");
+  sub->add_option(
+         "--depth", options.depthFile,
+         "Also write the view depth of each pixel [m] as an array of NumPy: depth.npy, or depth_%04d.npy")
+      ->type_name("FILE");
+  sub->add_option("--motion-blur", options.shutter, "Share of the time of a frame for which it is exposed")
+      ->check(CLI::Range(0.0, 1.0));
   sub->add_option("--fps", options.fps, "Frames per second of film")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
@@ -97,8 +141,8 @@ void addRender(CLI::App& app, int& status) {
       ->check(CLI::Range(.01, 1000.0))
       ->capture_default_str();
   sub->add_option("--every", options.every, "A frame every so many steps, whatever the time")
-      ->check(CLI::PositiveNumber);
-  sub->add_option("--from", options.from, "Begin after this step")->check(CLI::NonNegativeNumber);
+      ->check(aboveZero());
+  sub->add_option("--from", options.from, "Begin after this step")->check(notBelowZero());
   sub->add_option("--samples", options.samples,
                   "Samples a pixel (default: 32 for a picture; 4 for a film, 16 on a GPU)")
       ->check(CLI::Range(1, 4096));
@@ -108,18 +152,19 @@ void addRender(CLI::App& app, int& status) {
   sub->add_flag("--overlay", options.overlay, "Write scene, bodies, time and step time on the picture");
   sub->add_option("--color-max", options.colorMax,
                   "Value of the hottest color (default: the largest of each picture)")
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
   sub->add_option("--show", command->show, "Draw over the picture: contacts, forces, joints, bounds")
       ->delimiter(',');
   sub->add_option("--measure", command->measure,
                   "Write nothing: draw this many frames of the start and report milliseconds")
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
   sub->add_flag("--live", command->live,
                 "With --measure: take a step of the scene before each frame, and report it as well");
   addArgumentOptions(*sub, options.job);
   addSolverOptions(*sub, options.job);
   addBackendOptions(*sub, options.job);
   sub->add_flag("-q,--quiet", options.quiet, "No progress");
+  sub->add_flag("--json", command->json, "Say what was written as JSON");
   sub->callback([command, &status] { status = renderNow(*command); });
 }
 

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <rubble/info.h>
 
@@ -11,12 +12,22 @@ namespace {
 struct ReplayOptions {
   std::string file, backend;
   int threads = 0;
-  bool check = false;
+  bool check = false, json = false;
 };
 
 int run(const ReplayOptions& options) {
   const io::Replay replay = io::replayInputs(options.file, options.backend, options.threads);
   const BuildInfo build = buildInfo();
+  const int status = replay.difference && options.check ? kDoesNotHold : kHolds;
+  if (options.json) {
+    nlohmann::ordered_json record{
+        {"recorded_by", replay.recordedBy}, {"steps", replay.steps}, {"identical", !replay.difference}};
+    record["hash"] = fmt::format("{:016x}", replay.hash);
+    if (replay.difference)
+      record["first_difference"] = {{"step", replay.difference->step}, {"table", replay.difference->table}};
+    fmt::print("{}\n", record.dump(2));
+    return status;
+  }
   fmt::print("recorded by {}\nreplayed by {}, {}, {}\n", replay.recordedBy, build.version, build.commit,
              build.compiler);
   if (!replay.difference) {
@@ -26,7 +37,7 @@ int run(const ReplayOptions& options) {
   const auto& [step, table] = *replay.difference;
   fmt::print("first difference: {}, table {}\n",
              step == 0 ? std::string("before the first step") : fmt::format("after step {}", step), table);
-  return options.check ? kDoesNotHold : kHolds;
+  return status;
 }
 
 }  // namespace
@@ -41,6 +52,7 @@ void addReplay(CLI::App& app, int& status) {
   command->add_option("--threads", options->threads, "Threads of the cpu backend; 0: one per core")
       ->check(CLI::Range(0, 1024));
   command->add_flag("--check", options->check, "Exit with 1 if anything differs");
+  command->add_flag("--json", options->json, "As JSON");
   command->callback([options, &status] { status = run(*options); });
 }
 

@@ -29,6 +29,8 @@ int run(RunOptions options) {
   if (options.checkpointFile.empty() != (options.checkpointInterval == 0))
     throw Error("--checkpoint", "a file and --every N", "one of them");
   if (!Processes::isFirst()) options.checkpointFile.clear();
+  for (const std::string& file : {options.jsonFile, options.recordFile, options.inputsFile})
+    requireWritable(file);
   PreparedJob prepared = prepareJob(options.job);
   prepared.world.timings = !options.noStages;
   SessionOptions session;

@@ -105,10 +105,9 @@ void addSoak(CLI::App& app, int& status) {
                                          "Step a heap for minutes while bodies come, go and are pushed at "
                                          "random, and check what must stay true");
   command->add_option("-m,--minutes", options->minutes, "How long")
-      ->check(CLI::PositiveNumber)
+      ->check(aboveZero())
       ->capture_default_str();
-  command->add_option("-n,--steps", options->steps, "So many steps instead of minutes")
-      ->check(CLI::PositiveNumber);
+  command->add_option("-n,--steps", options->steps, "So many steps instead of minutes")->check(aboveZero());
   command->add_option("--seed", options->seed, "Of the random edits: the same seed gives the same run")
       ->capture_default_str();
   command->add_option("--bodies", options->bodies, "That the heap varies about")
@@ -116,12 +115,12 @@ void addSoak(CLI::App& app, int& status) {
       ->capture_default_str();
   command->add_flag("--joints", options->joints, "Also pairs of cubes on joints, made and removed");
   command->add_option("-i,--iterations", options->iterations, "Solver iterations per step")
-      ->check(CLI::PositiveNumber)
+      ->check(aboveZero())
       ->capture_default_str();
   command->add_option("-b,--backend", options->backend, "Where the step runs (see 'rubble info build')")
       ->capture_default_str();
   command->add_option("-t,--threads", options->threads, "Worker threads; 0 is one a core")
-      ->check(CLI::NonNegativeNumber)
+      ->check(notBelowZero())
       ->capture_default_str();
   command->add_option("--json", options->jsonFile, "Write what happened as JSON; '-' is standard output")
       ->type_name("FILE");

@@ -20,6 +20,7 @@ void addRun(CLI::App& app, int& status);
 void addBench(CLI::App& app, int& status);
 void addCheck(CLI::App& app, int& status);
 void addCompare(CLI::App& app, int& status);
+void addCompletion(CLI::App& app, int& status);
 void addDemo(CLI::App& app, int& status);
 void addExport(CLI::App& app, int& status);
 void addFracture(CLI::App& app, int& status);

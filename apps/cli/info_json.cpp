@@ -23,12 +23,15 @@ std::string scenesJson() {
                            {"max", a.max},
                            {"unit", a.unit},
                            {"doc", a.doc}});
-    list.push_back({{"name", spec.name},
-                    {"doc", spec.doc},
-                    {"steps", spec.steps},
-                    {"iterations", spec.iterations},
-                    {"tags", spec.tags},
-                    {"arguments", std::move(arguments)}});
+    list.push_back(
+        {{"name", spec.name},
+         {"doc", spec.doc},
+         {"steps", spec.steps},
+         {"iterations", spec.iterations},
+         {"tags", spec.tags},
+         {"test_steps", spec.testSteps},
+         {"test_arguments", spec.testArguments.empty() ? Json::object() : Json(spec.testArguments)},
+         {"arguments", std::move(arguments)}});
   }
   return io::prettyJson(list);
 }

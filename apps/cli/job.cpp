@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rubble/info.h>
+
 #include "apps/cli/file_job.h"
 #include "render/framing.h"
 
@@ -70,10 +72,35 @@ Params paramsOf(const JobOptions& options, const scenes::Job& job) {
 
 }  // namespace
 
+namespace {
+
+CLI::Validator numberCheck(const char* expected, bool (*good)(double)) {
+  return CLI::Validator(
+      [expected, good](std::string& text) -> std::string {
+        double number = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+        const bool read = error == std::errc{} && end == text.data() + text.size();
+        return read && good(number) ? "" : fmt::format("expected {}, got {}", expected, text.substr(0, 40));
+      },
+      "", "");
+}
+
+}  // namespace
+
+CLI::Validator aboveZero() {
+  return numberCheck("a number above 0", [](double a) { return a > 0 && std::isfinite(a); });
+}
+CLI::Validator notBelowZero() {
+  return numberCheck("a number of at least 0", [](double a) { return a >= 0 && std::isfinite(a); });
+}
+
 void checkBackend(const std::string& backend) {
   const std::vector<std::string> known = backends();
   if (std::find(known.begin(), known.end(), backend) == known.end())
-    throw Error("--backend", fmt::format("one of {}", fmt::join(known, ", ")), backend);
+    throw Error("--backend", fmt::format("one of {}", fmt::join(known, ", ")),
+                backend.find("cuda") == std::string::npos
+                    ? backend
+                    : fmt::format("{}, which is {}", backend, cudaStatus()));
 }
 
 std::string bestBackend() {
@@ -96,14 +123,14 @@ void addArgumentOptions(CLI::App& app, JobOptions& options) {
 
 void addSolverOptions(CLI::App& app, JobOptions& options) {
   app.add_option("-n,--steps", options.steps, "Number of steps (default: as the scene says)")
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
   app.add_option("-i,--iterations", options.iterations,
                  "Solver iterations per step (default: as the scene says)")
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
   app.add_option("--substeps", options.substeps,
                  "Full steps that a time step is divided into (default: as the scene says)")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--dt", options.dt, "Time step [s] (default: 1/60)")->check(CLI::PositiveNumber);
+      ->check(aboveZero());
+  app.add_option("--dt", options.dt, "Time step [s] (default: 1/60)")->check(aboveZero());
   app.add_option("--preset", options.preset, "Parameter set: engine, paper or demo3d")->capture_default_str();
   app.add_option("--param", options.parameters,
                  "Set a parameter of the method, for study (see 'rubble info params'); may be repeated")
@@ -117,7 +144,7 @@ void addBackendOptions(CLI::App& app, JobOptions& options) {
       "-b,--backend", options.backend,
       "Where the step runs (see 'rubble info build'; default: cuda where there is a GPU, else cpu)");
   app.add_option("-t,--threads", options.threads, "Worker threads; 0 is one a core")
-      ->check(CLI::NonNegativeNumber)
+      ->check(notBelowZero())
       ->capture_default_str();
   app.add_option("--ranks", options.ranks,
                  "Ranks of the backend 'distributed', as threads; 0: the processes of mpirun")
@@ -167,6 +194,12 @@ scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& ar
     if (!arguments.empty()) throw Error("--arg", "no arguments for a scene file", arguments.front());
     return loadFileJob(scene);
   }
+  if (const std::string ending = std::filesystem::path(scene).extension().string();
+      !ending.empty() || scene.find('/') != std::string::npos)
+    throw Error("scene",
+                "the name of a scene ('rubble info scenes'), or a file that ends in .json, .xml, .mjcf, "
+                ".urdf or .xacro",
+                "\"" + scene + "\"");
   const scenes::Spec& spec = scenes::find(scene);
   scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, parseArguments(arguments)));
   if (!spec.travels)

@@ -68,6 +68,10 @@ bool isModelFile(const std::string& scene);
 /// Does this name a file rather than a scene of the registry?
 bool isSceneFile(const std::string& scene);
 
+/// Checks of numbers for options, whose messages say what was expected.
+CLI::Validator aboveZero();
+CLI::Validator notBelowZero();
+
 /// Splits "name=value"; `option` is named in the Error.
 std::pair<std::string, double> parseAssignment(const std::string& text, const std::string& option);
 

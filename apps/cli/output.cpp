@@ -1,4 +1,5 @@
 #include "apps/cli/output.h"
+#include "apps/cli/job.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -6,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "io/output_file.h"
 #include "io/picture_values.h"
 #include "io/scene_json.h"
 
@@ -35,7 +37,7 @@ void addPictureOptions(CLI::App& app, PictureOptions& options, const std::string
   app.add_option("--at", options.at,
                  "Take the picture after these numbers of steps (0: the start); several files are numbered")
       ->delimiter(',')
-      ->check(CLI::NonNegativeNumber);
+      ->check(notBelowZero());
   addViewOptions(app, options);
 }
 
@@ -98,6 +100,10 @@ std::vector<PictureRequest> picturesOf(const PictureOptions& options, int steps)
         {at, options.at.size() == 1 ? options.file : (path.parent_path() / numbered).string()});
   }
   return requests;
+}
+
+void requireWritable(const std::string& file) {
+  if (!file.empty() && file != "-") const io::NewFile canBeWritten(file);
 }
 
 void writeOutput(const std::string& file, const std::string& text) {

@@ -48,6 +48,8 @@ Look lookOf(const PictureOptions& options);
 /// the run.
 std::vector<PictureRequest> picturesOf(const PictureOptions& options, int steps);
 
+/// Throws Error if a file that is to be written at the end could not be written now; "" and "-" are good.
+void requireWritable(const std::string& file);
 /// Writes text to a file, or to standard output for "-".
 void writeOutput(const std::string& file, const std::string& text);
 

@@ -1,5 +1,7 @@
 #include "apps/cli/program.h"
 
+#include <algorithm>
+#include <cctype>
 #include <stdexcept>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include <rubble/info.h>
 
 #include "apps/cli/command.h"
+#include "apps/cli/suggest.h"
 
 namespace rubble::cli {
 namespace {
@@ -27,18 +30,39 @@ std::vector<const CLI::App*> chosenCommands(const CLI::App& app) {
   return chosen;
 }
 
+bool isOption(const std::string& word) {
+  return word.size() > 1 && word[0] == '-' && !std::isdigit(static_cast<unsigned char>(word[1]));
+}
+
+/// At most so many bytes, with a mark where the rest is left out.
+std::string shortened(const std::string& text, std::size_t most = 200) {
+  return text.size() <= most ? text : text.substr(0, most) + "...";
+}
+
 }  // namespace
 
 std::string usageMessage(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<const CLI::App*> chosen = chosenCommands(app);
-  std::string message = error.what();
-  // The library reports an unknown subcommand as a missing one.
-  const std::vector<std::string> unknown = app.remaining(true);
-  if (chosen.back()->get_require_subcommand_min() > 0 && !unknown.empty())
-    message = fmt::format("there is no subcommand '{}'", unknown.front());
+  const CLI::App& last = *chosen.back();
   std::string name;
-  for (const CLI::App* command : chosen) name += command->get_name() + " ";
-  return fmt::format("{}\nRun '{}--help' for what there is.", message, name);
+  for (const CLI::App* command : chosen) name += (name.empty() ? "" : " ") + command->get_name();
+  std::string message = error.what();
+  const std::vector<std::string> unknown = app.remaining(true);
+  // The library reports an unknown subcommand as a missing one.
+  if (last.get_require_subcommand_min() > 0 && !unknown.empty()) {
+    std::vector<std::string> names;
+    for (const CLI::App* command : last.get_subcommands([](const CLI::App*) { return true; }))
+      names.push_back(command->get_name());
+    message = fmt::format("there is no subcommand '{}'{}", shortened(unknown.front()),
+                          suggestion(unknown.front(), names));
+  } else if (const auto option = std::ranges::find_if(unknown, isOption); option != unknown.end()) {
+    std::vector<std::string> names;
+    for (const CLI::Option* known : last.get_options())
+      for (const std::string& own : known->get_lnames()) names.push_back("--" + own);
+    const std::string own = option->substr(0, option->find('='));
+    message = fmt::format("'{}' has no option '{}'{}", name, shortened(own), suggestion(own, names));
+  }
+  return fmt::format("{}\nRun '{} --help' for what there is.", shortened(message, 1500), name);
 }
 
 void addProgram(CLI::App& app, int& status) {
@@ -51,6 +75,7 @@ void addProgram(CLI::App& app, int& status) {
   addBench(app, status);
   addCheck(app, status);
   addCompare(app, status);
+  addCompletion(app, status);
   addDemo(app, status);
   addExport(app, status);
   addFracture(app, status);

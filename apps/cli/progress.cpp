@@ -24,8 +24,9 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-Progress::Progress(std::string title, int steps, bool quiet)
+Progress::Progress(std::string title, int steps, bool quiet, std::string unit)
     : title_(std::move(title)),
+      unit_(std::move(unit)),
       steps_(std::max(steps, 1)),
       quiet_(quiet),
       terminal_(isatty(STDERR_FILENO) == 1),
@@ -49,7 +50,7 @@ void Progress::drawBar(int done, double ms) {
   for (int i = 0; i < kBarWidth; ++i) bar += i < filled ? "█" : "░";
   const double elapsed = now - startTime_;
   const double left = elapsed / done * (steps_ - done);
-  fmt::print(stderr, "\r{} {} {}/{}  {:.1f} ms/step  {}\x1b[K", title_, bar, done, steps_, ms,
+  fmt::print(stderr, "\r{} {} {} {}/{}  {:.1f} ms/step  {}\x1b[K", title_, bar, unit_, done, steps_, ms,
              done < steps_ ? duration(left) + " left" : duration(elapsed));
   std::fflush(stderr);
   barIsOpen_ = done < steps_;
@@ -60,8 +61,9 @@ void Progress::printLine(int done, double ms) {
   const int tenths = 10 * done / steps_;
   if (tenths == tenthsPrinted_) return;
   tenthsPrinted_ = tenths;
-  fmt::print(stderr, "{}: step {}/{}, {:.1f} ms/step, {}\n", title_, done, steps_, ms,
-             duration(secondsNow() - startTime_));
+  const double elapsed = secondsNow() - startTime_;
+  fmt::print(stderr, "{}: {} {}/{}, {:.1f} ms/step, {}, {} left\n", title_, unit_, done, steps_, ms,
+             duration(elapsed), duration(elapsed / done * (steps_ - done)));
 }
 
 }  // namespace rubble::cli

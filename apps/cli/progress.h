@@ -8,19 +8,20 @@ namespace rubble::cli {
 class Progress {
  public:
   /// `quiet` says nothing at all.
-  Progress(std::string title, int steps, bool quiet);
+  /// `unit`: what is counted.
+  Progress(std::string title, int steps, bool quiet, std::string unit = "step");
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// After step `done` (counted from 1) that took `ms`.
+  /// After `done` of them (counted from 1). `ms`: of the last step of the simulation.
   void update(int done, double ms);
 
  private:
   void drawBar(int done, double ms);
   void printLine(int done, double ms);
 
-  std::string title_;
+  std::string title_, unit_;
   int steps_;
   bool quiet_;
   bool terminal_;

@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "io/output_file.h"
 
 #include "apps/cli/progress.h"
 #include "apps/cli/render_view.h"
@@ -18,6 +23,8 @@ namespace {
 constexpr int kPictureSamples = 32, kFilmSamples = 4, kFilmSamplesGpu = 16;
 constexpr int kDivider = 4;  // pixels between two runs
 constexpr double kTimeSlack = 1e-9;
+/// Exposures of a picture with motion blur.
+constexpr int kExposures = 8;
 
 /// One run that is drawn. Moments are taken where a picture needs them: of the step that it shows, and of the
 /// one before if it lies between.
@@ -25,13 +32,25 @@ class Side {
  public:
   Side(const RenderOptions& options, const JobOptions& job, int width, int height,
        render::PaintDevice& device, int samples)
-      : options_(options), source_(momentSource(job, options.colorBy, options.show)) {
-    camera_ = cameraOf(options.camera, sightOf(*source_), width, height, options.fieldOfView);
-    if (options.eye) camera_.eye = *options.eye;
-    if (options.target) camera_.target = *options.target;
-    painter_ = device.painter(current().bodies, source_->gravity(), camera_,
-                              {width, height, samples, options.colorBy, options.colorMax});
+      : options_(options),
+        width_(width),
+        height_(height),
+        device_(device),
+        samples_(samples),
+        source_(momentSource(job, options.colorBy, options.show)),
+        start_(current().bodies) {}
+
+  /// Chooses the camera for these moments of the run. Call before paint().
+  void plan(std::span<const std::vector<io::PictureBody>> moments) {
+    plan_.emplace(planOf(options_.camera, *source_, moments, width_, height_, options_.fieldOfView));
+    render::PaintSettings settings{width_, height_, samples_, options_.colorBy, options_.colorMax};
+    settings.background = options_.background;
+    settings.transparent = options_.transparent;
+    painter_ = device_.painter(plan_->shown(start_), source_->gravity(), cameraAt(start_, 0), settings);
   }
+  std::vector<std::vector<io::PictureBody>> startAndNow() { return {start_, current().bodies}; }
+  /// Of the last picture [m].
+  std::vector<float> depths() const { return painter_->depths(); }
 
   const MomentSource& source() const { return *source_; }
   bool step() {
@@ -55,7 +74,8 @@ class Side {
     const double way = hasPrevious_ ? (time - previous_.time) / (current().time - previous_.time) : 1;
     const Moment blend = way < 1 ? between(previous_, current(), std::max(0., way)) : Moment();
     const Moment& shown = way < 1 ? blend : current();
-    io::Image image = painter_->paint(shown.bodies, turned(camera_, options_.orbit * filmTime), shown.lines);
+    io::Image image = painter_->paint(plan_->shown(shown.bodies), cameraAt(shown.bodies, filmTime),
+                                      shown.lines);
     if (options_.overlay) drawCaption(image, caption(shown));
     return image;
   }
@@ -89,14 +109,95 @@ class Side {
                        quantity.unit == std::string("1") ? "" : quantity.unit);
   }
 
+  render::Camera cameraAt(std::span<const io::PictureBody> bodies, double filmTime) const {
+    render::Camera camera = plan_->camera(bodies);
+    if (options_.path) camera = options_.path->at(filmTime, camera);
+    if (options_.eye) camera.eye = *options_.eye;
+    if (options_.target) camera.target = *options_.target;
+    return turned(camera, options_.orbit * filmTime);
+  }
+
   const RenderOptions& options_;
+  int width_, height_;
+  render::PaintDevice& device_;
+  int samples_;
   std::unique_ptr<MomentSource> source_;
   Moment current_, previous_;
   bool seen_ = false;         ///< `current_` is of the step that the source stands at
   bool hasPrevious_ = false;  ///< `previous_` is of the one before
-  render::Camera camera_;
+  std::vector<io::PictureBody> start_;
+  std::optional<render::ViewPlan> plan_;
   std::unique_ptr<render::Painter> painter_;
 };
+
+/// Several exposures as one picture: the mean of their light.
+class Exposure {
+ public:
+  void add(const io::Image& image) {
+    const auto linear = [](std::uint8_t byte) {
+      const float s = static_cast<float>(byte) / 255;
+      return s <= .04045f ? s / 12.92f : std::pow((s + .055f) / 1.055f, 2.4f);
+    };
+    if (sum_.empty()) sum_.resize(image.rgb.size()), alpha_.resize(image.alpha.size());
+    for (std::size_t i = 0; i < sum_.size(); ++i)
+      sum_[i] += linear(image.rgb[i]) * (alpha_.empty() ? 1 : static_cast<float>(image.alpha[i / 3]) / 255);
+    for (std::size_t i = 0; i < alpha_.size(); ++i) alpha_[i] += static_cast<float>(image.alpha[i]) / 255;
+    width_ = image.width, height_ = image.height;
+    ++count_;
+  }
+  io::Image image() const {
+    const auto byte = [](float s) {
+      return static_cast<std::uint8_t>(std::lround(255 * std::clamp(s, 0.f, 1.f)));
+    };
+    io::Image out{width_, height_, {}};
+    for (std::size_t i = 0; i < sum_.size(); ++i) {
+      const float light = sum_[i] /
+                          (alpha_.empty() ? static_cast<float>(count_) : std::max(1e-6f, alpha_[i / 3]));
+      out.rgb.push_back(
+          byte(light <= .0031308f ? 12.92f * light : 1.055f * std::pow(light, 1 / 2.4f) - .055f));
+    }
+    for (const float alpha : alpha_) out.alpha.push_back(byte(alpha / static_cast<float>(count_)));
+    return out;
+  }
+
+ private:
+  int width_ = 0, height_ = 0, count_ = 0;
+  std::vector<float> sum_, alpha_;
+};
+
+/// Writes depths as an array of NumPy, format 1.0.
+void writeDepths(const std::string& file, const std::vector<float>& depths, int width, int height) {
+  std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", height,
+                                   width);
+  constexpr std::size_t kBefore = 10, kAlign = 64;
+  header.append(kAlign - (kBefore + header.size() + 1) % kAlign, ' ');
+  header += '\n';
+  io::OutputFile out(file);
+  const char start[] = {'\x93',
+                        'N',
+                        'U',
+                        'M',
+                        'P',
+                        'Y',
+                        1,
+                        0,
+                        static_cast<char>(header.size() & 255),
+                        static_cast<char>(header.size() >> 8)};
+  out.stream().write(start, sizeof start);
+  out.stream() << header;
+  out.stream().write(reinterpret_cast<const char*>(depths.data()),
+                     static_cast<std::streamsize>(sizeof(float) * depths.size()));
+  out.finish();
+}
+
+/// "depth_%04d.npy" with a number in it.
+std::string numbered(const std::string& pattern, int number) {
+  const std::size_t at = pattern.find('%'), end = pattern.find('d', at);
+  if (at == std::string::npos || end == std::string::npos) return pattern;
+  const int digits = end > at + 1 ? std::atoi(pattern.substr(at + 1, end - at - 1).c_str()) : 0;
+  return pattern.substr(0, at) + fmt::format("{:0{}}", number, std::clamp(digits, 1, 9)) +
+         pattern.substr(end + 1);
+}
 
 io::Image together(std::vector<io::Image> images) {
   return images.size() == 1 ? std::move(images[0]) : beside(images[0], images[1]);
@@ -141,7 +242,11 @@ RenderResult renderFilm(const RenderOptions& options) {
   const double frameTime = options.every > 0 ? options.every * dt : 1 / (options.fps * options.slow);
   const double begin = start + options.from * dt, end = start + steps * dt;
   const int frames = single ? 1 : framesIn(end - begin, frameTime);
-  Progress progress(first.source().title(), single ? std::max(1, steps) : frames, options.quiet);
+  if (!options.depthFile.empty() && jobs.size() > 1) throw Error("--depth", "one run", "--compare");
+  Progress progress(first.source().title(), single ? std::max(1, steps) : frames, options.quiet,
+                    single ? "step" : "picture");
+  if (!single)
+    for (const auto& side : sides) side->plan(side->source().course());
   RenderResult result{0, device->name()};
   if (single) {
     // The last step, at any picture rate.
@@ -149,15 +254,26 @@ RenderResult renderFilm(const RenderOptions& options) {
       for (const auto& side : sides) side->step();
       progress.update(step, first.stepMs());
     }
+    for (const auto& side : sides) side->plan(side->startAndNow());
   }
   for (int frame = 0; frame < frames; ++frame) {
     const double time = single ? end : begin + frame * frameTime;
-    std::vector<io::Image> images;
-    for (const auto& side : sides) {
-      side->reach(time);
-      images.push_back(side->paint(time, frame / options.fps));
+    const int exposures = options.shutter > 0 && !single ? kExposures : 1;
+    Exposure exposure;
+    io::Image image;
+    for (int k = 0; k < exposures; ++k) {
+      const double now = time - options.shutter * frameTime * (exposures - 1 - k) / exposures;
+      std::vector<io::Image> images;
+      for (const auto& side : sides) {
+        side->reach(std::max(now, begin));
+        images.push_back(side->paint(std::max(now, begin), frame / options.fps));
+      }
+      image = together(std::move(images));
+      if (exposures > 1) exposure.add(image);
     }
-    sink->put(together(std::move(images)));
+    sink->put(exposures > 1 ? exposure.image() : std::move(image));
+    if (!options.depthFile.empty())
+      writeDepths(numbered(options.depthFile, frame), sides.front()->depths(), width, options.height);
     ++result.frames;
     if (!single) progress.update(frame + 1, first.stepMs());
   }

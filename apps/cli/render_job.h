@@ -1,11 +1,13 @@
 #pragma once
 /// A film, or pictures, of one scene or of two side by side.
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/cli/job.h"
 #include "io/picture.h"
+#include "render/camera_path.h"
 #include "render/overlay.h"
 
 namespace rubble::cli {
@@ -27,6 +29,11 @@ struct RenderOptions {
   int every = 0;                     ///< a frame every so many steps; 0: by time
   int from = 0;                      ///< the film begins after this step
   std::vector<std::string> compare;  ///< two backends or two numbers of iterations
+  std::shared_ptr<const render::CameraPath> path = nullptr;  ///< in place of the named camera's; or null
+  std::optional<Vec3T<float>> background = {};               ///< linear, in place of the sky
+  bool transparent = false;                                  ///< sky and planes are, in a .png
+  std::string depthFile;  ///< view depths (.npy), numbered as pictures are; "": none
+  double shutter = 0;     ///< share of the time of a frame for which it is exposed: motion blur [1]
   bool overlay = false;
   bool quiet = false;
 };

@@ -13,10 +13,17 @@
 namespace rubble::cli {
 namespace {
 
+/// A scene is run twice, first for its camera, up to this number of steps of a body.
+constexpr double kMostSteps = 4e5;
+/// So many moments show how far a run reaches.
+constexpr int kMoments = 60;
+
 class Simulation final : public MomentSource {
  public:
   Simulation(const JobOptions& options, io::ColorBy colorBy, const render::Overlays& overlays)
-      : Simulation(withoutProbes(prepareJob(options)), colorBy, overlays) {}
+      : Simulation(withoutProbes(prepareJob(options)), colorBy, overlays) {
+    options_ = options;
+  }
 
   bool advance() override {
     if (taken_ >= steps_) return false;
@@ -37,8 +44,18 @@ class Simulation final : public MomentSource {
   int steps() const override { return steps_; }
   double dt() const override { return world().params().dt; }
   Vec3 gravity() const override { return world().gravity(); }
-  std::vector<io::PictureBody> framed() const override {
-    return io::pictureBodies(runner_.job().scene, true);
+  std::vector<std::vector<io::PictureBody>> course() const override {
+    std::vector<std::vector<io::PictureBody>> moments{io::pictureBodies(runner_.job().scene, true)};
+    if (static_cast<double>(moments[0].size()) * steps_ > kMostSteps) return moments;
+    PreparedJob prepared = withoutProbes(prepareJob(options_));
+    prepared.world.timings = false;
+    scenes::Runner ahead(std::move(prepared.job), prepared.world);
+    moments[0] = io::pictureBodies(ahead.world());
+    for (int step = 1; step <= steps_; ++step) {
+      ahead.step();
+      if (step % std::max(1, steps_ / kMoments) == 0) moments.push_back(io::pictureBodies(ahead.world()));
+    }
+    return moments;
   }
   scenes::Camera camera() const override { return runner_.job().camera; }
   bool smashes() const override { return runner_.job().smashStep >= 0; }
@@ -58,6 +75,7 @@ class Simulation final : public MomentSource {
 
   const World& world() const { return const_cast<scenes::Runner&>(runner_).world(); }
 
+  JobOptions options_;
   std::string title_, label_;
   int steps_;
   int taken_ = 0;
@@ -93,8 +111,11 @@ class Recording final : public MomentSource {
   int steps() const override { return frames_ - 1; }
   double dt() const override { return reader_.header().dt; }
   Vec3 gravity() const override { return reader_.header().gravity; }
-  std::vector<io::PictureBody> framed() const override {
-    return const_cast<Recording*>(this)->read(0).bodies;
+  std::vector<std::vector<io::PictureBody>> course() const override {
+    std::vector<std::vector<io::PictureBody>> moments;
+    for (int frame = 0; frame < frames_; frame += std::max(1, frames_ / kMoments))
+      moments.push_back(io::pictureBodies(reader_, frame));
+    return moments;
   }
   scenes::Camera camera() const override { return {}; }
   bool smashes() const override { return true; }
@@ -108,7 +129,7 @@ class Recording final : public MomentSource {
   }
 
   std::string file_;
-  io::RecordingReader reader_;
+  mutable io::RecordingReader reader_;
   int frames_ = 0, at_ = 0;
   double time_ = 0, nextTime_ = 0;  ///< [s]
 };

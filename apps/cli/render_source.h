@@ -36,8 +36,9 @@ class MomentSource {
   virtual int steps() const = 0;
   virtual double dt() const = 0;  ///< [s]
   virtual Vec3 gravity() const = 0;
-  /// Everything that a camera should show.
-  virtual std::vector<io::PictureBody> framed() const = 0;
+  /// Everything that a camera should show: bodies of some moments of the run, in order. A scene that is too
+  /// large to be run twice has its start alone.
+  virtual std::vector<std::vector<io::PictureBody>> course() const = 0;
   /// Camera of the scene; eye at target if it has none.
   virtual scenes::Camera camera() const = 0;
   virtual bool smashes() const = 0;

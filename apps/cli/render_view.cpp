@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -38,17 +39,15 @@ const std::vector<std::string>& cameraNames() {
   return names;
 }
 
-Sight sightOf(const MomentSource& source) {
-  return {source.camera(), source.gravity(), source.framed(), source.smashes()};
-}
 Sight sightOf(const scenes::Job& job) {
   return {job.camera, job.scene.gravity, io::pictureBodies(job.scene, true), job.smashStep >= 0};
 }
 
-render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height,
-                        double fieldOfView) {
-  const scenes::Camera& own = sight.own;
-  const Vec3 up = normalize(-sight.gravity, {0, 0, 1});
+namespace {
+
+/// Where a named camera looks along, and its distance over that of a view of everything.
+std::pair<Vec3, double> directionOf(const std::string& name, const scenes::Camera& own, const Vec3& gravity) {
+  const Vec3 up = normalize(-gravity, {0, 0, 1});
   Vec3 direction = own.target - own.eye;
   double closer = 1;
   if (name != "scene") {
@@ -68,11 +67,29 @@ render::Camera cameraOf(const std::string& name, const Sight& sight, int width, 
     direction = normalize(level) * found->away + cross(level, up) * found->right - up * found->down;
     closer = found->closer;
   }
+  return {direction, closer};
+}
+
+}  // namespace
+
+render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height,
+                        double fieldOfView) {
+  const auto [direction, closer] = directionOf(name, sight.own, sight.gravity);
   const double aspect = static_cast<double>(width) / height;
   render::Camera camera = render::cameraShowing(
-      sight.bodies, sight.gravity, {direction, sight.smashes ? kRubbleRoom : 0, aspect, fieldOfView});
-  camera.eye = camera.target - (camera.target - camera.eye) * closer;
+      sight.bodies, sight.gravity, {direction, sight.smashes ? kRubbleRoom : 0, aspect, fieldOfView, closer});
   return camera;
+}
+
+render::ViewPlan planOf(const std::string& name, const MomentSource& source,
+                        std::span<const std::vector<io::PictureBody>> moments, int width, int height,
+                        double fieldOfView) {
+  const auto [direction, closer] = directionOf(name, source.camera(), source.gravity());
+  // rubble of a run that is not known ahead needs room
+  const double room = source.smashes() && moments.size() == 1 ? kRubbleRoom : 0;
+  render::Framing framing{direction, room, static_cast<double>(width) / height, fieldOfView};
+  framing.closer = closer;
+  return render::ViewPlan(moments, source.gravity(), framing, name == "scene");
 }
 
 render::Camera turned(const render::Camera& camera, double angle) {

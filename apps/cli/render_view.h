@@ -1,10 +1,12 @@
 #pragma once
 /// Cameras by name, and the captions of films.
+#include <span>
 #include <string>
 #include <vector>
 
 #include "apps/cli/render_source.h"
 #include "render/camera.h"
+#include "render/view_plan.h"
 
 namespace rubble::cli {
 
@@ -17,11 +19,14 @@ struct Sight {
   std::vector<io::PictureBody> bodies;
   bool smashes = false;  ///< leave room for rubble
 };
-Sight sightOf(const MomentSource& source);
 Sight sightOf(const scenes::Job& job);
 /// A camera that shows all of it, in a picture of this size. "scene" is the scene's own. Throws Error for an
 /// unknown name.
 render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height,
+                        double fieldOfView);
+/// How a whole run is seen by a named camera: "scene" looks around walls, the others leave them out.
+render::ViewPlan planOf(const std::string& name, const MomentSource& source,
+                        std::span<const std::vector<io::PictureBody>> moments, int width, int height,
                         double fieldOfView);
 /// The camera turned about the up axis through its target [rad].
 render::Camera turned(const render::Camera& camera, double angle);

@@ -6,7 +6,7 @@
 
 #include <rubble/error.h>
 
-#include "cook/shape_mesh.h"
+#include <rubble/mesh.h>
 
 namespace rubble::convert {
 namespace {

@@ -2,6 +2,7 @@
 /// Definitions of deformable objects: solids, cloth, rods, nets and granular particles, in physical units.
 #include <any>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -38,6 +39,7 @@ struct DeformableDef {
   /// Vertices collide, as spheres of the contact radius, with vertices of other objects that have this flag.
   bool collideVertices = false;
   std::vector<ElementDef> elements;  ///< besides those that the kind of the object implies
+  std::uint64_t userData = 0;        ///< as BodyDef::userData
 };
 
 /// A tetrahedral solid with the stable neo-Hookean energy.

@@ -1,5 +1,6 @@
 #pragma once
 /// Events of a step: polled after it, in an order that is the same in every run.
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,9 @@ enum class Phase { Begin, Stay, End };
 /// thousandth of the size of the smaller body.
 struct ContactEvent {
   Phase phase = Phase::Begin;
-  BodyId a, b;          ///< in ascending order of slots; after End one of them may have been removed
+  BodyId a, b;  ///< in ascending order of slots; after End one of them may have been removed
+  /// BodyDef::userData of the two bodies, of a removed one too.
+  std::uint64_t userDataA = 0, userDataB = 0;
   bool sensor = false;  ///< one of them is a sensor: no contact force
   /// On B, over the step [N s]. With substeps: the force of the last substep times the whole step.
   Vec3 impulse;
@@ -33,15 +36,17 @@ struct ContactEvent {
 /// A joint that broke in this step.
 struct JointEvent {
   JointId joint;
-  BodyId a, b;  ///< index -1: the static world
-  Vec3 force;   ///< on B, in the step that broke it [N]
-  Vec3 torque;  ///< on B [N m]
+  std::uint64_t userData = 0;  ///< JointDef::userData
+  BodyId a, b;                 ///< index -1: the static world
+  Vec3 force;                  ///< on B, in the step that broke it [N]
+  Vec3 torque;                 ///< on B [N m]
 };
 
 /// A body fell asleep or woke.
 struct SleepEvent {
   BodyId body;
   bool asleep = false;
+  std::uint64_t userData = 0;  ///< BodyDef::userData
 };
 
 /// Events of the last step. Contacts are sorted by the slots of their bodies, the others by slot.

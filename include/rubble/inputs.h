@@ -56,6 +56,7 @@ struct Scatter {
   const ArrayView& rows;
   const ArrayView& values;
 };
+/// Also of setMaterial() and other changes of a definition.
 struct SetBodyDefinition {
   BodyId id;
   const BodyDef& body;

@@ -22,6 +22,18 @@ struct TetrahedronMesh {
   std::vector<std::array<int, 4>> tetrahedra;
 };
 
+/// The surface of a shape in its authored frame, for rendering. A corner at a sharp edge occurs once per
+/// face.
+struct ShapeMesh {
+  std::vector<Vec3> points;                   ///< [m]
+  std::vector<Vec3> normals;                  ///< outward, unit
+  std::vector<std::array<int, 3>> triangles;  ///< counter-clockwise seen from outside
+};
+
+/// Triangles of any shape. `segments`: per full circle. A plane has none. Throws Error for degenerate
+/// geometry.
+ShapeMesh shapeMesh(const Shape& shape, int segments = 48);
+
 /// Throws Error unless the surface is closed and oriented. Required: valid vertex indices, triangles with an
 /// area, two triangles of opposite direction on each edge, and a positive volume. The path of the error names
 /// the first invalid triangle ("surface.triangles[17]").

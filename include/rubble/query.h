@@ -32,6 +32,12 @@ struct RayHit {
   double distance = 0;  ///< [m]
   Vec3 position;        ///< [m]
   Vec3 normal;          ///< outward from the body
+  int part = 0;         ///< of a compound: index into its parts
+  /// Of a mesh: index into its triangles. Of a height field of countX samples per row: the triangles
+  /// 2 (x + y (countX - 1)), which has the corner (x + 1, y), and the next one, which has (x, y + 1), belong
+  /// to the cell (x, y). Otherwise -1.
+  int triangle = -1;
+  std::uint64_t userData = 0;  ///< BodyDef::userData
 };
 
 /// Sweep of a convex shape or compound along a line, without rotation.
@@ -50,6 +56,8 @@ struct CastHit {
   Vec3 position;        ///< on the body [m]; the position of the shape if they overlap at the start
   /// Outward from the body, toward the shape. Zero if they overlap deeply at the start.
   Vec3 normal;
+  int part = 0;                ///< of a compound: index into its parts
+  std::uint64_t userData = 0;  ///< BodyDef::userData
 };
 
 /// Overlap test. Meshes and height fields overlap where their surface does.
@@ -69,8 +77,10 @@ struct ClosestQuery {
 struct ClosestHit {
   bool hit = false;
   BodyId body;
-  double distance = 0;  ///< [m]
-  Vec3 position;        ///< [m]
+  double distance = 0;         ///< [m]
+  Vec3 position;               ///< [m]
+  int part = 0;                ///< of a compound: index into its parts
+  std::uint64_t userData = 0;  ///< BodyDef::userData
 };
 
 }  // namespace rubble

@@ -152,6 +152,8 @@ struct BodyDef {
   std::array<bool, 3> lockRotation{};     ///< locked rotations of a dynamic body, world axes
   CollisionFilter filter;
   bool sensor = false;  ///< reports overlaps and has no contact forces
+  /// Of the caller: events and hits return it. No effect on results, and no part of hashes.
+  std::uint64_t userData = 0;
 };
 
 /// Joint types. docs/joints.md describes each with its axes.
@@ -236,6 +238,7 @@ struct JointDef {
   Vec3 pulleyA, pulleyB;              ///< pulley: world points that the rope runs over [m]
   std::array<JointAxis, 6> axes;      ///< by type, see above
   bool collide = false;               ///< do the two bodies collide with each other?
+  std::uint64_t userData = 0;         ///< as BodyDef::userData
   std::any own;                       ///< fields of a joint type that has no members here (docs/extending.md)
 };
 

@@ -1,6 +1,8 @@
 #pragma once
 /// A running simulation.
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -88,6 +90,13 @@ class Snapshot {
  public:
   struct Data;
   std::shared_ptr<const Data> data;
+
+  /// The snapshot as bytes, for a file: a save game. Throws Error for one of a world of Worlds, and for
+  /// joints or elements whose type is an extension.
+  std::vector<std::byte> bytes() const;
+  /// Throws Error unless the bytes are whole and of this version and table layout of Rubble. A checksum finds
+  /// damage, not malice: load files from trusted sources only.
+  static Snapshot fromBytes(std::span<const std::byte> bytes);
 };
 
 /// A world belongs to one thread at a time. Different worlds may be used at once. Where memory ends, a call
@@ -123,19 +132,40 @@ class World {
   BodyId findBody(const std::string& name) const;  ///< throws Error if no body has that name
   BodyId bodyAt(int sceneIndex) const;             ///< body of Scene::bodies[sceneIndex]
   const BodyDef& definition(BodyId id) const;
-  /// Replaces the definition from the next step on: shape, mass, material, damping, filter, locks. Name,
-  /// motion and, for planes, the shape must be unchanged. The body keeps its pose and velocity, which those
-  /// of the definition do not change, and wakes. With another shape it loses its contacts.
-  void setDefinition(BodyId id, const BodyDef& body);
   MassProperties massOf(BodyId id) const;
   BodyState state(BodyId id) const;
   void setState(BodyId id, const BodyState& state);
+  /// Replaces the definition from the next step on. Pose and velocities of the definition are ignored: the
+  /// body moves on as a rigid body, but a static body has no velocity. Contacts and multipliers are kept
+  /// unless the shape changes. Joints and attachments keep their anchors in the shape frame. The name must be
+  /// unchanged.
+  void setDefinition(BodyId id, const BodyDef& body);
+  // Single fields of the definition, likewise.
+  void setMaterial(BodyId id, const Material& material);
+  void setFilter(BodyId id, const CollisionFilter& filter);
+  void setMotion(BodyId id, Motion motion);
+  void setMass(BodyId id, double mass);  ///< [kg]; scales the inertia unless BodyDef::inertia gives it
+  void setShape(BodyId id, const Shape& shape);
+  void setDamping(BodyId id, double linear, double angular);  ///< [1/s]
+  void setGravityScale(BodyId id, double scale);              ///< [1]
+  void setLocks(BodyId id, const std::array<bool, 3>& translation, const std::array<bool, 3>& rotation);
+  void setSensor(BodyId id, bool sensor);
+  void setUserData(BodyId id, std::uint64_t userData);
+  std::uint64_t userData(BodyId id) const;
+  /// Material of a part of a compound, or of the whole body.
+  Material materialOf(BodyId id, int part = 0) const;
+  std::vector<JointId> jointsOf(BodyId id) const;         ///< its joints and those it is the frame body of
+  std::vector<ContactPoint> contactsOf(BodyId id) const;  ///< of the last step
+  /// Of the center of mass [m/s] and about it, world axes [rad/s].
+  void setVelocity(BodyId id, const Vec3& velocity, const Vec3& angularVelocity);
   /// Kinematic bodies: sets the pose to reach in the next step.
   void setTarget(BodyId id, const Vec3& position, const Quat& orientation);
   void applyForce(BodyId id, const Vec3& force);  ///< at the center of mass, for the next step [N]
-  void applyForceAt(BodyId id, const Vec3& force, const Vec3& point);  ///< [N], at a world point [m]
-  void applyTorque(BodyId id, const Vec3& torque);                     ///< for the next step [N m]
-  void applyImpulse(BodyId id, const Vec3& impulse);                   ///< at the center of mass [N s]
+  void applyForceAt(BodyId id, const Vec3& force, const Vec3& point);      ///< [N], at a world point [m]
+  void applyTorque(BodyId id, const Vec3& torque);                         ///< for the next step [N m]
+  void applyImpulse(BodyId id, const Vec3& impulse);                       ///< at the center of mass [N s]
+  void applyImpulseAt(BodyId id, const Vec3& impulse, const Vec3& point);  ///< [N s], at a world point [m]
+  void applyAngularImpulse(BodyId id, const Vec3& impulse);                ///< world axes [N m s]
 
   // Batched edits: element k of each list is one call of the functions above. The whole list is checked
   // first, so an Error changes nothing. On a GPU all edits between two steps are one upload, without
@@ -213,6 +243,8 @@ class World {
   /// must be unchanged. Bodies, multipliers and the broken flag are kept. Quantities measured when the joint
   /// was made (a negative length, axes of gears) are kept as well.
   void setDefinition(JointId id, const JointDef& joint);
+  void setUserData(JointId id, std::uint64_t userData);
+  std::uint64_t userData(JointId id) const;
   /// Sets the drive of an axis. Throws Error if the joint does not have that axis.
   void setTargetPosition(JointId id, int axis, double position);  ///< [m], [rad]
   void setTargetSpeed(JointId id, int axis, double speed);        ///< [m/s], [rad/s]
@@ -233,6 +265,8 @@ class World {
   DeformableId findDeformable(const std::string& name) const;
   DeformableId deformableAt(int sceneIndex) const;  ///< object of Scene::deformables[sceneIndex]
   const Deformable& definition(DeformableId id) const;
+  void setUserData(DeformableId id, std::uint64_t userData);
+  std::uint64_t userData(DeformableId id) const;
   int vertexCount(DeformableId id) const;
   std::vector<Vec3> positions(DeformableId id) const;   ///< of its vertices [m]
   std::vector<Vec3> velocities(DeformableId id) const;  ///< [m/s]
@@ -282,6 +316,7 @@ class World {
   /// Sleeping (Params::sleeping). Edits and applied forces wake a body and its island automatically.
   bool asleep(BodyId id) const;
   void wake(BodyId id);
+  RayHit castRay(const RayQuery& ray);
   // Batched queries (query.h).
   std::vector<RayHit> castRays(std::span<const RayQuery> rays);
   /// The same without an allocation. `hits`: as many as rays.

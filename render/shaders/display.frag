@@ -27,6 +27,11 @@ void shade() {
   target0 = vec4(wide.a < low || wide.a > high ? near.rgb : wide.rgb, 1.0);
 }
 #else
-void shade() { target0 = vec4(displayed(texture(lights, uv).rgb), 1.0); }
+uniform bool transparent;  // the picture has an alpha channel
+
+void shade() {
+  vec4 light = texture(lights, uv);
+  target0 = transparent ? vec4(displayed(light.rgb / max(light.a, 1e-6)), light.a) : vec4(displayed(light.rgb), 1.0);
+}
 #endif
 #include "pixels_end.glsl"

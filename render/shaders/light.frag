@@ -18,19 +18,22 @@ uniform vec3 up;
 uniform float fadeDistance;    // where planes turn into the horizon [m]
 uniform float weight;          // of this sample in the picture
 uniform float turn;
+uniform vec4 background;       // in place of the sky; a: 1 if there is one
+uniform bool transparent;      // sky and planes leave no light
 
 const vec3 kSun = vec3(3.00, 2.66, 2.20);
 const vec3 kSky = vec3(0.62, 0.67, 0.75);
 const vec3 kBounce = vec3(0.66, 0.60, 0.53);
 const vec3 kHorizon = vec3(1.02, 1.03, 1.04);
 const vec3 kZenith = vec3(0.50, 0.66, 0.86);
+const vec3 kDepth = vec3(0.44, 0.43, 0.42);  // far below the horizon, where no ground is drawn
 const float kExposure = 0.46;
 
 float pattern(vec2 p) { return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715)))); }
 
 vec3 sky(vec3 direction) {
   float height = dot(direction, up);
-  return mix(kHorizon, kZenith, smoothstep(-0.02, 0.75, height));
+  return mix(mix(kHorizon, kDepth, smoothstep(0.0, -0.7, height)), kZenith, smoothstep(-0.02, 0.75, height));
 }
 
 // What a mirror sees: the sky above, the ground below.
@@ -74,6 +77,8 @@ vec3 film(vec3 x) {
   return clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
 }
 
+vec3 horizonOr(vec3 shown) { return background.a > 0.0 ? background.rgb : shown; }
+
 void put(vec3 shown) {
 #ifdef ONE_SAMPLE
   vec3 bytes = displayed(shown);
@@ -89,11 +94,20 @@ void shade() {
   vec3 ray = rayAt(uv);
   vec3 toward = normalize(ray);
   int finish = int(surface.a * 8.0 + 0.5);
+  if (transparent && (finish == 0 || finish == 4)) {
+    target0 = vec4(0.0);
+    return;
+  }
   if (finish == 0) {
-    put(film(sky(toward)));
+    put(horizonOr(film(sky(toward))));
     return;
   }
   vec3 albedo = surface.rgb * surface.rgb;
+  // the ground is lighter about the scene than before and behind it
+  if (finish == 4) {
+    float away = length(ray) * viewDepth(texelFetch(depths, pixel, 0).x) / fadeDistance;
+    albedo *= 1.08 - 0.34 * smoothstep(0.0, 1.1, abs(away - 1.0));
+  }
   vec4 shaded = texelFetch(shadedNormals, pixel, 0);
   vec3 normal = normalize(shaded.xyz);
   float z = viewDepth(texelFetch(depths, pixel, 0).x);
@@ -123,7 +137,6 @@ void shade() {
   // Planes end in the horizon; what stands far off is a little hazy.
   float far = length(position - eye) / fadeDistance;
   float haze = finish == 4 ? smoothstep(0.6, 5.0, far) : 0.45 * smoothstep(1.0, 9.0, far);
-  lit = mix(lit, sky(toward), haze);
-  put(film(lit));
+  put(background.a > 0.0 ? mix(film(lit), background.rgb, haze) : film(mix(lit, sky(toward), haze)));
 }
 #include "pixels_end.glsl"

@@ -94,6 +94,9 @@ void shade() {
   } else if (finish == kGround) {
     normal = turned(q, vec3(0.0, 0.0, 1.0));
     float slant = max(0.04, abs(dot(normal, normalize(ray))));
+    vec2 cells = floor(local.xy / gridCell);
+    float near = 1.0 - smoothstep(0.05, 0.4, footprint / sqrt(slant) / gridCell);
+    albedo *= 1.0 - 0.13 * near * mod(cells.x + cells.y, 2.0);
     albedo *= 1.0 - 0.30 * gridLines(local.xy, footprint / sqrt(slant)) * smoothstep(0.04, 0.16, slant);
   } else {
     float heat = 0.0;

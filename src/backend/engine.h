@@ -119,6 +119,8 @@ bool cudaReady();
 std::unique_ptr<Engine> makeCudaEngine(bool timings);
 
 namespace f32 {
+/// Hash of the names and element sizes of all kept arrays: states of equal layouts may be exchanged.
+std::uint64_t tableLayout();
 std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings);
 /// Two engines of this precision, compared after every kernel.
 /// Ranks as threads, or one rank of the processes that share the world.
@@ -126,6 +128,7 @@ std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, int thre
 std::unique_ptr<Engine> makeLockstepEngine(std::unique_ptr<Engine> a, std::unique_ptr<Engine> b);
 }  // namespace f32
 namespace f64 {
+std::uint64_t tableLayout();
 std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings);
 }
 

@@ -34,6 +34,7 @@ struct CookedShape {
   std::vector<std::array<double, 4>> vectors;
   std::vector<int> indices;
   std::vector<CookedPart> parts;
+  std::vector<int> triangleOrder;  ///< mesh: authored triangle of each in the tables. No part of them
   /// Positions in `indices` whose value is relative to this shape's tables of vectors, indices and parts.
   std::vector<int> vectorPlaces, indexPlaces, partPlaces;
 };

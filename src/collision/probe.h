@@ -157,7 +157,7 @@ RUBBLE_HD RUBBLE_OUT_OF_LINE inline RayImpact castRayAtGeneral(const PlacedAny& 
       const RayImpact m = rays::triangle(x, d, Vec3d(t.corner[0]), Vec3d(t.corner[1]), Vec3d(t.corner[2]),
                                          twoSided);
       if (m.fraction > limit || (m.fraction == limit && out.fraction <= 1)) return;
-      out = {m.fraction, rotate(target.q, m.n)};
+      out = {m.fraction, rotate(target.q, m.n), t.index};
       limit = m.fraction;
     });
   }

@@ -24,6 +24,8 @@ struct EngineHit {
   int body;         ///< id; -1: none
   double fraction;  ///< fraction of `move`; closest point: distance [m]
   Vec3 position, normal;
+  int part = 0;       ///< of a compound
+  int triangle = -1;  ///< of a ray on a surface: its place among the cooked triangles
 };
 
 }  // namespace rubble

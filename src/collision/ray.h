@@ -8,6 +8,7 @@ namespace rubble::RUBBLE_CORE {
 struct RayImpact {
   double fraction;
   Vec3d n;
+  int triangle = -1;  ///< of a mesh or height field: SurfaceTriangle::index
 };
 
 namespace rays {

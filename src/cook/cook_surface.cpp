@@ -173,6 +173,7 @@ void addMesh(CookedShape& out, const Shape& shape, const Path& path) {
     out.indices.push_back(node.triangle);
   }
   for (const Vec3& p : g.points) out.vectors.push_back({p.x - c.x, p.y - c.y, p.z - c.z, 0});
+  out.triangleOrder.assign(tree.order().begin(), tree.order().end());
   for (const int t : tree.order())
     for (const int v : g.triangles[static_cast<std::size_t>(t)]) out.indices.push_back(v);
   for (const int t : tree.order()) out.indices.push_back(flags[static_cast<std::size_t>(t)]);

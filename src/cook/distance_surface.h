@@ -1,6 +1,6 @@
 #pragma once
 /// Signed distance fields on a lattice: interpolation and surface extraction.
-#include "cook/shape_mesh.h"
+#include <rubble/mesh.h>
 
 namespace rubble {
 

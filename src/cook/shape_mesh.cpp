@@ -1,4 +1,4 @@
-#include "cook/shape_mesh.h"
+#include <rubble/mesh.h>
 
 #include <algorithm>
 #include <cmath>

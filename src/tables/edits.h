@@ -10,7 +10,7 @@ namespace rubble {
 struct SetBody {
   int id;
   EngineBody body;
-  bool keepsState = false;
+  bool keepsState = false;  ///< changes authored data only, of a body that exists
   int world = 0;
   int number = -1;  ///< id of the body in its world; -1: its id in the tables
 };

@@ -216,7 +216,8 @@ void placeSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
     }
   }
   // cells are slightly wider than the largest particle
-  s.particleCell = widest > Real(0) ? Real(2.2) * widest : Real(1);
+  // a number that SoftCounts holds without loss
+  s.particleCell = widest > Real(0) ? real(static_cast<float>(Real(2.2) * widest)) : Real(1);
   s.particleCells = widest > Real(0)
                         ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * vertices))))
                         : 0;

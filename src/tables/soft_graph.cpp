@@ -269,7 +269,8 @@ void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& obje
   s.edges = edges, s.features = edges + triangles;
   // a swept triangle box is slightly wider than its edges are long
   constexpr double kCellEdges = 1.25;
-  s.featureCell = static_cast<Real>(shortest > 0 ? kCellEdges * shortest : 1);
+  // a number that SoftCounts holds without loss
+  s.featureCell = static_cast<Real>(static_cast<float>(shortest > 0 ? kCellEdges * shortest : 1));
   s.featureCells = s.features > 0
                        ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * s.features))))
                        : 0;

@@ -80,6 +80,8 @@ EngineBody engineBody(const BodyDef& def, const ReadyBody& ready, int indexBase,
   return body;
 }
 
+bool hasPlane(const BodyDef& def) { return def.shape.type == ShapeType::Plane; }
+
 }  // namespace
 
 void World::Impl::requireAlive(BodyId id) const {
@@ -139,6 +141,66 @@ std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies,
   return ids;
 }
 
+void World::Impl::redefine(BodyId id, BodyDef def) {
+  requireAlive(id);
+  const BodyRecord before = registry.bodies[id];
+  if (def.name != before.def.name)
+    throw Error("body.name", "that of the body, \"" + before.def.name + "\"", "\"" + def.name + "\"");
+  validate(def, "body");
+  const bool reshaped = !sameShape(def.shape, before.def.shape);
+  if (!reshaped) def.shape = before.def.shape;  // not an equal copy
+  std::vector<CookedEntry> fresh;
+  const std::shared_ptr<const CookedShape> cooked = cookShape(def.shape, "body.shape", fresh);
+  const ReadyBody ready{cooked, massOfDefinition(def, cooked->unit, "body")};
+  BodyRecord after{def, ready.mass, {cooked->unit.center, cooked->unit.axes}, cooked->radius, before.joints};
+  const bool wasPlane = hasPlane(before.def),
+             framed = after.frame.center != before.frame.center || after.frame.axes != before.frame.axes,
+             stops = def.motion == Motion::Static && before.def.motion != Motion::Static;
+
+  TableAdditions tables(registry);
+  const int base = tables.placeShape(def.shape, cooked), surface = tables.surfaceOf(def.material);
+  std::vector<Edit> edits = tables.edits();
+  addWake(edits, id);
+  edits.push_back(SetBody{id.index, engineBody(def, ready, base, surface), true});
+  if (framed || stops) {
+    BodyState state = bodyState(id);
+    const Vec3 center = state.position;
+    state = after.frame.toEngine(before.frame.toAuthor(state));
+    state.velocity += cross(state.angularVelocity, state.position - center);
+    if (stops) state.velocity = state.angularVelocity = {};
+    edits.push_back(SetBodyState{id.index, state});
+  }
+  if (reshaped || (params.sleeping && def.motion != Motion::Dynamic))
+    edits.push_back(ForgetContacts{{id.index}});
+  std::vector<int> planes = registry.planes;
+  if (wasPlane != hasPlane(def)) {
+    if (wasPlane)
+      std::erase(planes, id.index);
+    else
+      planes.insert(std::ranges::lower_bound(planes, id.index), id.index);
+    edits.push_back(SetPlanes{planes});
+  }
+  tables.prepare(registry);
+  registry.bodies.prepare(0), registry.joints.prepare(0);
+  // joints see the new frame and mass of the body
+  BodyRecord& record = registry.bodies.edit(id);
+  std::swap(record, after);
+  Undo undo([&] { std::swap(record, after); });
+  std::vector<std::pair<JointId, EngineJoint>> joints;
+  for (const JointId joint : record.joints) {
+    joints.emplace_back(joint, changedJoint(registry.joints[joint], registry.joints[joint].def));
+    edits.push_back(SetJoint{registry.joints[joint].engineSlot, joints.back().second, true});
+  }
+  engine->apply(edits);
+
+  undo.keep();
+  tables.commit(registry);
+  registry.planes = std::move(planes);
+  for (auto& [joint, changed] : joints) registry.joints.edit(joint).engine = std::move(changed);
+  for (const AttachmentId a : registry.attachments.ids()) softChanged |= registry.attachments[a].body == id;
+  pass(inputs::SetBodyDefinition{id, def});
+}
+
 void World::Impl::removeBodies(std::span<const BodyId> ids) {
   std::vector<int> slots;
   for (const BodyId id : ids) {
@@ -193,43 +255,6 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
   }
   registry.planes = std::move(planes);
   ++epoch;
-}
-
-void World::Impl::redefine(BodyId id, BodyDef def) {
-  requireAlive(id);
-  validate(def, "body");
-  const BodyRecord& before = registry.bodies[id];
-  const bool keepsShape = sameShape(def.shape, before.def.shape);
-  if (keepsShape) def.shape = before.def.shape;
-  const auto requireSame = [](bool same, const char* what) {
-    if (!same) throw Error(std::string("body.") + what, "that of the body", "another");
-  };
-  requireSame(def.name == before.def.name, "name");
-  requireSame(def.motion == before.def.motion, "motion");
-  const ShapeType type = def.shape.type, old = before.def.shape.type;
-  requireSame((type == ShapeType::Plane) == (old == ShapeType::Plane), "shape");
-  std::vector<CookedEntry> fresh;
-  ReadyBody ready{cookShape(def.shape, "body.shape", fresh), {}};
-  ready.mass = massOfDefinition(def, ready.cooked->unit, "body");
-  const ShapeFrame frame{ready.cooked->unit.center, ready.cooked->unit.axes};
-  const bool moves = !(frame.center == before.frame.center && frame.axes == before.frame.axes);
-  TableAdditions tables(registry);
-  const int base = tables.placeShape(def.shape, ready.cooked), surface = tables.surfaceOf(def.material);
-  std::vector<Edit> edits = tables.edits();
-  addWake(edits, id);
-  edits.push_back(SetBody{id.index, engineBody(def, ready, base, surface), true});
-  if (moves) edits.push_back(SetBodyState{id.index, frame.toEngine(before.frame.toAuthor(bodyState(id)))});
-  if (!keepsShape) edits.push_back(ForgetContacts{{id.index}});
-  BodyRecord record{def, ready.mass, frame, ready.cooked->radius, before.joints};
-  tables.prepare(registry);
-  registry.bodies.prepare(0);
-  engine->apply(edits);
-  tables.commit(registry);
-  registry.bodies.edit(id) = std::move(record);
-  if (!moves) return;
-  // anchors are relative to the center of mass
-  const std::vector<JointId> joints = registry.bodies[id].joints;
-  for (const JointId joint : joints) replaceJoint(joint, JointDef(registry.joints[joint].def));
 }
 
 void World::Impl::configure(bool wakesAll) {

@@ -20,7 +20,8 @@ std::vector<Touch> World::Impl::collectContacts(Events& to) const {
   std::vector<Touch> now;
   for (const EngineTouch& t : engine->read().touches()) {
     const auto a = registry.bodies.at(t.a), b = registry.bodies.at(t.b);
-    if (a && b) now.push_back({*a, *b, t.sensor});
+    if (a && b)
+      now.push_back({*a, *b, t.sensor, registry.bodies[*a].def.userData, registry.bodies[*b].def.userData});
   }
   std::sort(now.begin(), now.end(), before);
   // two bodies may touch at several of their parts
@@ -34,6 +35,7 @@ std::vector<Touch> World::Impl::collectContacts(Events& to) const {
     ContactEvent& event = to.contacts.emplace_back();
     event.phase = phase;
     event.a = touch.a, event.b = touch.b;
+    event.userDataA = touch.userDataA, event.userDataB = touch.userDataB;
     event.sensor = touch.sensor;
     if (phase == Phase::End || touch.sensor) return;
     const auto key = std::pair(touch.a.index, touch.b.index);
@@ -66,7 +68,7 @@ void World::Impl::collectBreaks(Events& to, const std::vector<JointId>& broken) 
   for (const JointId id : broken) {
     const JointRecord& joint = registry.joints[id];
     const JointState state = engine->read().jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
-    to.joints.push_back({id, joint.a, joint.b, state.force, state.torque});
+    to.joints.push_back({id, joint.def.userData, joint.a, joint.b, state.force, state.torque});
   }
 }
 
@@ -75,7 +77,8 @@ std::vector<int> World::Impl::collectSleeps(Events& to) const {
   const std::vector<int>& old = registry.sleepers;
   std::size_t i = 0, k = 0;
   const auto add = [&](int slot, bool asleep) {
-    if (const auto id = registry.bodies.at(slot)) to.sleeps.push_back({*id, asleep});
+    if (const auto id = registry.bodies.at(slot))
+      to.sleeps.push_back({*id, asleep, registry.bodies[*id].def.userData});
   };
   while (i < old.size() || k < now.size()) {
     if (k == now.size() || (i < old.size() && old[i] < now[k]))

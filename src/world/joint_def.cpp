@@ -67,7 +67,10 @@ namespace {
 
 std::pair<Vec3, Quat> poseOf(const Scene& scene, int body) {
   if (body == kWorld) return {Vec3{}, Quat{}};
-  const BodyDef& def = scene.bodies.at(static_cast<std::size_t>(body));
+  if (body < 0 || static_cast<std::size_t>(body) >= scene.bodies.size())
+    throw Error("body", "the index of one of " + std::to_string(scene.bodies.size()) + " bodies, or kWorld",
+                std::to_string(body));
+  const BodyDef& def = scene.bodies[static_cast<std::size_t>(body)];
   return {def.position, normalize(def.orientation)};
 }
 

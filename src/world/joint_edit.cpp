@@ -153,12 +153,15 @@ JointBodies World::Impl::jointBodies(const JointRecord& joint) const {
   return {of(joint.a), of(joint.b), of(joint.frameBodyA), of(joint.frameBodyB)};
 }
 
-void World::Impl::redefine(JointId id, const JointDef& def) {
-  replaceJoint(id, def);
-  pass(inputs::SetDefinition{id, def});
+EngineJoint World::Impl::changedJoint(const JointRecord& record, const JointDef& def) const {
+  EngineJoint joint = engineJoint(inEngineFrames(def, record.a, record.b), jointBodies(record),
+                                  &record.engine);
+  joint.a = record.engine.a, joint.b = record.engine.b;
+  joint.frameBodyA = record.engine.frameBodyA, joint.frameBodyB = record.engine.frameBodyB;
+  return joint;
 }
 
-void World::Impl::replaceJoint(JointId id, const JointDef& def) {
+void World::Impl::redefine(JointId id, const JointDef& def) {
   requireAlive(id);
   const JointRecord& record = registry.joints[id];
   if (def.type != record.def.type)
@@ -167,16 +170,13 @@ void World::Impl::replaceJoint(JointId id, const JointDef& def) {
   if (def.name != record.def.name)
     throw Error("joint.name", "that of the joint, \"" + record.def.name + "\"", "\"" + def.name + "\"");
   validate(def, "joint");
-  EngineJoint joint = engineJoint(inEngineFrames(def, record.a, record.b), jointBodies(record),
-                                  &record.engine);
+  EngineJoint joint = changedJoint(record, def);
   if (joint.turned != record.engine.turned)
     throw Error("joint", "the same rotations locked as when it was made: they decide how turns are counted",
                 "others");
   if (joint.type != record.engine.type)
     throw Error("joint", "friction or none, as when it was made: it decides what kind of joint it is",
                 "the other");
-  joint.a = record.engine.a, joint.b = record.engine.b;
-  joint.frameBodyA = record.engine.frameBodyA, joint.frameBodyB = record.engine.frameBodyB;
   std::vector<Edit> edits;
   addWakes(edits, record);
   edits.push_back(SetJoint{record.engineSlot, joint, true});
@@ -189,6 +189,7 @@ void World::Impl::replaceJoint(JointId id, const JointDef& def) {
   JointRecord& changed = registry.joints.edit(id);
   changed.def = std::move(own);
   changed.engine = std::move(joint);
+  pass(inputs::SetDefinition{id, changed.def});
 }
 
 void World::Impl::findBroken(std::vector<JointId>& broken) {

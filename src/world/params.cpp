@@ -1,6 +1,8 @@
 #include <rubble/error.h>
 #include <rubble/params.h>
 
+#include "cook/names.h"
+
 #include <cmath>
 #include <sstream>
 
@@ -167,9 +169,12 @@ void setParam(Params& params, const std::string& name, double value) {
     f.field.set(params, value);
     return;
   }
-  std::string names;
-  for (const RangedField& f : ranges()) names += std::string(names.empty() ? "" : ", ") + f.field.name;
-  throw Error("params", "one of " + names, "\"" + name + "\"");
+  std::string near;
+  for (const RangedField& f : ranges())
+    if (editDistance(name, f.field.name) < std::min(name.size(), std::max<std::size_t>(3, name.size() / 3)))
+      near += std::string(near.empty() ? "one of " : ", ") + f.field.name;
+  throw Error("params", near.empty() ? "a parameter of 'rubble info params', such as iterations" : near,
+              "\"" + name + "\"");
 }
 
 void validate(const Params& params) {

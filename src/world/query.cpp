@@ -28,6 +28,25 @@ EngineQuery filtered(const QueryFilter& filter, const Registry& registry) {
   return q;
 }
 
+/// Authored index of a triangle in the tables.
+int authoredTriangle(const Registry& registry, const Shape& shape, int triangle) {
+  if (triangle < 0 || shape.type != ShapeType::Mesh) return triangle;
+  const CookedEntry* const entry = findCooked(registry.shapes, shape);
+  return entry->cooked->triangleOrder[static_cast<std::size_t>(triangle)];
+}
+
+/// The part of a hit that all kinds have.
+template <class Hit> Hit hitOf(const Registry& registry, const EngineHit& found) {
+  Hit hit;
+  if (found.body < 0) return hit;
+  hit.hit = true;
+  hit.body = *registry.bodies.at(found.body);
+  hit.position = found.position;
+  hit.part = found.part;
+  hit.userData = registry.bodies[hit.body].def.userData;
+  return hit;
+}
+
 /// f(i) for all i < n, in parallel if that pays.
 template <class F> void forEachIndex(std::size_t n, F&& f) {
   constexpr std::size_t kGrain = 2048;
@@ -100,9 +119,12 @@ EngineQuery queryOf(const RayQuery& ray, const Registry& registry) {
   return q;
 }
 
-RayHit hitOf(const EngineHit& hit, const RayQuery& ray, const Registry& registry) {
-  if (hit.body < 0) return {};
-  return {true, *registry.bodies.at(hit.body), hit.fraction * ray.maxDistance, hit.position, hit.normal};
+RayHit hitOf(const EngineHit& found, const RayQuery& ray, const Registry& registry) {
+  RayHit hit = hitOf<RayHit>(registry, found);
+  if (!hit.hit) return hit;
+  hit.distance = found.fraction * ray.maxDistance, hit.normal = found.normal;
+  hit.triangle = authoredTriangle(registry, registry.bodies[hit.body].def.shape, found.triangle);
+  return hit;
 }
 
 std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
@@ -136,6 +158,12 @@ void World::castRays(std::span<const RayQuery> rays, std::span<RayHit> hits) {
   });
 }
 
+RayHit World::castRay(const RayQuery& ray) {
+  RayHit hit;
+  castRays({&ray, 1}, {&hit, 1});
+  return hit;
+}
+
 std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
   return withMemory("castShapes", [&] {
     impl_->flush();
@@ -147,10 +175,10 @@ std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
       queries[i].move = casts[i].displacement;
     }
     std::vector<CastHit> out;
-    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Cast, queries, shapes.cooked()}))
-      out.push_back(hit.body < 0 ? CastHit{}
-                                 : CastHit{true, *impl_->registry.bodies.at(hit.body), hit.fraction,
-                                           hit.position, hit.normal});
+    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Cast, queries, shapes.cooked()})) {
+      out.push_back(hitOf<CastHit>(impl_->registry, hit));
+      if (hit.body >= 0) out.back().fraction = hit.fraction, out.back().normal = hit.normal;
+    }
     return out;
   });
 }
@@ -182,10 +210,10 @@ std::vector<ClosestHit> World::closestPoints(std::span<const ClosestQuery> point
       queries[i].reach = points[i].maxDistance;
     }
     std::vector<ClosestHit> out;
-    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Closest, queries, {}}))
-      out.push_back(hit.body < 0
-                        ? ClosestHit{}
-                        : ClosestHit{true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
+    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Closest, queries, {}})) {
+      out.push_back(hitOf<ClosestHit>(impl_->registry, hit));
+      if (hit.body >= 0) out.back().distance = hit.fraction;
+    }
     return out;
   });
 }

@@ -195,10 +195,6 @@ const BodyDef& World::definition(BodyId id) const {
   impl_->requireAlive(id);
   return impl_->registry.bodies[id].def;
 }
-void World::setDefinition(BodyId id, const BodyDef& body) {
-  withMemory("setDefinition", [&] { impl_->redefine(id, body); });
-  impl_->pass(inputs::SetBodyDefinition{id, body});
-}
 MassProperties World::massOf(BodyId id) const {
   impl_->requireAlive(id);
   return impl_->registry.bodies[id].mass;

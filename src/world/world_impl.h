@@ -62,6 +62,8 @@ template <class Id, class Def> class Slots {
   }
   int size() const { return static_cast<int>(items_->size()); }
   int count() const { return size() - static_cast<int>(free_->size()); }
+  /// visit(items, free) for writing. An item has a definition, a generation, and is alive or not.
+  template <class F> void forLists(F&& visit) { visit(own(items_), own(free_)); }
   std::vector<Id> ids() const {
     std::vector<Id> out;
     for (int i = 0; i < size(); ++i)
@@ -128,6 +130,7 @@ struct JointRecord {
 struct Touch {
   BodyId a, b;
   bool sensor;
+  std::uint64_t userDataA, userDataB;
 };
 
 struct SoftRecord {
@@ -202,7 +205,7 @@ struct Registry {
 void checkRay(const RayQuery& ray, std::size_t i);
 /// A valid ray as a query, and its hit.
 EngineQuery queryOf(const RayQuery& ray, const Registry& registry);
-RayHit hitOf(const EngineHit& hit, const RayQuery& ray, const Registry& registry);
+RayHit hitOf(const EngineHit& found, const RayQuery& ray, const Registry& registry);
 
 /// Pending copies of poses, oldest first. Two buffers alternate.
 struct PoseRing {
@@ -255,12 +258,21 @@ struct World::Impl {
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, std::span<const ReadyBody> ready);
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const std::string& list);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB);
+  /// Redefines a body: as World::setDefinition.
+  void redefine(BodyId id, BodyDef def);
+  /// Redefines a body whose definition is changed by edit(BodyDef&).
+  template <class Edit> void editBody(const char* call, BodyId id, Edit&& edit) {
+    withMemory(call, [&] {
+      requireAlive(id);
+      BodyDef def = registry.bodies[id].def;
+      edit(def);
+      redefine(id, def);
+    });
+  }
+  /// The joint with another definition.
+  EngineJoint changedJoint(const JointRecord& record, const JointDef& def) const;
   /// Redefines a joint, with the same type.
   void redefine(JointId id, const JointDef& def);
-  /// The same without a word to the sink of inputs.
-  void replaceJoint(JointId id, const JointDef& def);
-  /// Redefines a body, which keeps its state.
-  void redefine(BodyId id, BodyDef def);
   /// Tells the engine what the rows of joint arrays are, if that has changed.
   void sendJointRows();
   /// Redefines a joint whose axis is changed by edit(JointAxis&).

@@ -2,6 +2,7 @@
 """Drives the real program: exit status, messages, what the files hold. Usage: cli_test.py PATH_OF_RUBBLE"""
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -116,6 +117,54 @@ class Usage(Case):
         self.refused("run", "nowhere.json", says="nowhere.json")
         self.refused("run", "pile-1k", "--picture", "x.png", "--size", "big", says="--size")
         self.refused("run", "pile-1k", "--at", "3", says="--picture")
+
+    def test_mistyped_words_are_answered_with_near_ones(self):
+        for words, says in [(["runn", "pile-1k"], "did you mean run?"), (["info", "sceens"], "or scenes?"),
+                            (["run", "pile-1k", "--step", "10"], "did you mean --steps"),
+                            (["run", "pile-1k", "--param", "iteration=5"], "iterations"),
+                            (["run", "pile-1k", "--param", "K=5"], "rubble info params"),
+                            (["run", "scene.yaml"], ".json"), (["run", "zzzzzzzz"], "rubble info scenes")]:
+            self.assertLess(len(self.refused(*words, says=says).stderr), 500, words)
+
+    def test_numbers_say_what_was_expected(self):
+        for option, value in [("-n", "0"), ("-n", "abc"), ("--dt", "-1"), ("-n", "1" * 400), ("-i", "nan")]:
+            done = self.refused("run", "pile-1k", option, value, says="expected a number above 0")
+            self.assertLess(len(done.stderr), 300)
+
+    def test_a_backend_that_is_off_says_why(self):
+        if "cuda" not in json.loads(self.rubble("info", "build", "--json").stdout)["backends"]:
+            self.refused("run", "pile-1k", "-b", "cuda", says="off: ")
+
+    def test_completion_and_manual_name_everything(self):
+        for shell, program in [("bash", "bash"), ("zsh", "zsh"), ("fish", "fish")]:
+            script = self.rubble("completion", shell).stdout
+            for word in ["compare", "tower-20", "camera-path"]:
+                self.assertIn(word, script)
+            if shutil.which(program):
+                subprocess.run([program, "-n"], input=script, text=True, check=True)
+        complete = ("source /dev/stdin; COMP_WORDS=(rubble {}); COMP_CWORD={}; _rubble; echo ${{COMPREPLY[@]}}")
+        script = self.rubble("completion", "bash").stdout
+        for words, count, wanted in [("com", 1, "compare"), ("info scen", 2, "scenes"), ("run --rec", 2, "--record-inputs"),
+                                     ("run tower-2", 2, "tower-20")]:
+            done = subprocess.run(["bash", "-c", complete.format(words, count)], input=script, text=True, capture_output=True)
+            self.assertIn(wanted, done.stdout.split(), done.stderr)
+        manual = self.rubble("man").stdout
+        self.assertTrue(manual.startswith(".TH RUBBLE 1"))
+        for word in ["rubble info scenes", "camera\\-path", "EXIT STATUS"]:
+            self.assertIn(word, manual)
+
+    def test_reports_as_json(self):
+        good, bad = self.falling(), self.write("bad.json", {"bodies": [{"shape": {"type": "box"}, "mas": 1}]})
+        listed = json.loads(self.rubble("check", good, bad, "--json", status=2).stdout)
+        self.assertEqual([entry["good"] for entry in listed], [True, False])
+        self.assertTrue(all(fault["message"] for fault in listed[1]["faults"]))
+        compared = json.loads(self.rubble("compare", good, "--steps", "3", "--json").stdout)
+        self.assertEqual([entry["step"] for entry in compared["steps"]], [1, 2, 3])
+
+    def test_outputs_are_opened_before_the_first_step(self):
+        for option in ["--json", "--record", "--record-inputs"]:
+            done = self.rubble("run", self.falling(), option, "/nowhere/out.rubble", status=2)
+            self.assertNotIn("step", done.stderr)
 
     def test_files_that_cannot_be_written(self):
         for option in ["--json", "--record", "--picture"]:

@@ -1,7 +1,7 @@
 /// Mass properties against closed forms and against one another, and what the cook makes of geometry.
 #include <cook/cook.h>
 #include <cook/hull.h>
-#include <cook/shape_mesh.h>
+#include <rubble/mesh.h>
 #include <cook/solid_mass.h>
 #include <gtest/gtest.h>
 #include <rubble/error.h>

@@ -10,7 +10,7 @@
 #include "backend/engine.h"
 #include "collision/point_shape.h"
 #include "cook/cook.h"
-#include "cook/shape_mesh.h"
+#include <rubble/mesh.h>
 #include "forces/joint_kind.h"
 #include "io/scene_json.h"
 #include "tests/support/core.h"

@@ -7,7 +7,7 @@
 
 #include <rubble/rubble.h>
 
-#include "cook/shape_mesh.h"
+#include <rubble/mesh.h>
 #include "io/byte_stream.h"
 #include "io/recording.h"
 #include "io/recording_format.h"

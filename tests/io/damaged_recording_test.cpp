@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "cook/shape_mesh.h"
+#include <rubble/mesh.h>
 #include "io/byte_stream.h"
 #include "io/frame_codec.h"
 #include "io/recording.h"

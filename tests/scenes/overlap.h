@@ -15,7 +15,7 @@
 #include <rubble/scene.h>
 
 #include "cook/cook.h"
-#include "cook/shape_mesh.h"
+#include <rubble/mesh.h>
 
 namespace rubble::scenes {
 

@@ -104,6 +104,15 @@ void loadState(HostTables& tables, double& previousDt, std::span<const std::byte
   std::memcpy(&previousDt, data.data() + data.size() - sizeof previousDt, sizeof previousDt);
 }
 
+std::uint64_t tableLayout() {
+  std::string text;
+  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+    if (array.life == Lifetime::Authored || array.life == Lifetime::State)
+      text += std::string(array.name) + " " + std::to_string(sizeof(T)) + ",";
+  });
+  return hashOf(std::as_bytes(std::span(text)));
+}
+
 std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings) {
   return std::make_unique<CpuEngine>(threads, timings);
 }

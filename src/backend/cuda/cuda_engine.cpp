@@ -83,6 +83,7 @@ void CudaEngine::sortBodies() {
 }
 
 void CudaEngine::write(const SetBody& e) {
+  if (e.keepsState) mirror_.fetchAll();  // the upload holds the state too
   const int before = host().view().bodies;
   setBodyCount(host(), e.id + 1);
   mirror_.bodiesAdded(before);

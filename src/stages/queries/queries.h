@@ -59,14 +59,14 @@ RUBBLE_HD void visitNear(const SolverData& s, const EngineQuery& q, const PathSe
   }
 }
 
-/// visit(part) for the parts of a body relative to the query's position, which keeps precision far from the
-/// origin.
+/// visit(part, its index) for the parts of a body relative to the query's position, which keeps precision far
+/// from the origin.
 template <class Visit>
 RUBBLE_HD void visitParts(const SolverData& s, int body, const Vec3d& origin, Visit&& visit) {
   const ShapeData& shape = s.params[body].shape;
   const int count = parts::count(s, shape);
   for (int k = 0; k < count; ++k)
-    visit(placedAny(s.shapeTables(), shape, s.position[body] - origin, s.orientation[body], k));
+    visit(placedAny(s.shapeTables(), shape, s.position[body] - origin, s.orientation[body], k), k);
 }
 
 /// visit(own) for the parts of a query's shape.
@@ -115,19 +115,20 @@ RUBBLE_HD EngineHit answer(const SolverData& s, const EngineQuery& q, const Quer
       s, q, path,
       [&](int body) {
         const int id = s.idOf[body];
-        visitParts(s, body, q.position, [&](const PlacedAny& target) {
+        visitParts(s, body, q.position, [&](const PlacedAny& target, int part) {
           if constexpr (kKind == QueryKind::Ray) {
             const RayImpact m = castRay(target, q.move);
-            if (m.fraction <= 1) take({id, m.fraction, q.move * m.fraction, m.n});
+            if (m.fraction <= 1) take({id, m.fraction, q.move * m.fraction, m.n, part, m.triangle});
           } else if constexpr (closest) {
             const Separation at = nearestPoint(target, distance);
             const bool inside = !(at.distance > 0);
             const double found = inside ? 0 : at.distance;
-            if (found <= distance) take({id, found, inside ? Vec3d{} : at.onB, {}});
+            if (found <= distance) take({id, found, inside ? Vec3d{} : at.onB, {}, part});
           } else {
-            visitOwn(own.tables, shape, q.orientation, [&](const PlacedAny& part) {
-              const TimeOfImpact m = castShape(part, q.move, target, gap);
-              if (m.fraction <= 1) take({id, m.fraction, m.at.n == Vec3d{} ? Vec3d{} : m.at.onA, m.at.n});
+            visitOwn(own.tables, shape, q.orientation, [&](const PlacedAny& moving) {
+              const TimeOfImpact m = castShape(moving, q.move, target, gap);
+              if (m.fraction <= 1)
+                take({id, m.fraction, m.at.n == Vec3d{} ? Vec3d{} : m.at.onA, m.at.n, part});
             });
           }
         });
@@ -156,7 +157,7 @@ RUBBLE_HD void searchOverlaps(const SolverData& s, const QueryShapes& own, const
       s, q, {q.position, {}, extent(shape, q.orientation)},
       [&](int body) {
         bool meets = false;
-        visitParts(s, body, q.position, [&](const PlacedAny& target) {
+        visitParts(s, body, q.position, [&](const PlacedAny& target, int) {
           visitOwn(own.tables, shape, q.orientation,
                    [&](const PlacedAny& part) { meets = meets || overlaps(part, target); });
         });

@@ -1,0 +1,111 @@
+/// Changes of living bodies.
+#include <algorithm>
+
+#include "cook/checks.h"
+#include "world/world_impl.h"
+
+namespace rubble {
+
+void World::setDefinition(BodyId id, const BodyDef& body) {
+  withMemory("setDefinition", [&] { impl_->redefine(id, body); });
+}
+void World::setMaterial(BodyId id, const Material& material) {
+  impl_->editBody("setMaterial", id, [&](BodyDef& body) { body.material = material; });
+}
+void World::setFilter(BodyId id, const CollisionFilter& filter) {
+  impl_->editBody("setFilter", id, [&](BodyDef& body) { body.filter = filter; });
+}
+void World::setMotion(BodyId id, Motion motion) {
+  impl_->editBody("setMotion", id, [&](BodyDef& body) { body.motion = motion; });
+}
+void World::setMass(BodyId id, double mass) {
+  impl_->editBody("setMass", id, [&](BodyDef& body) { body.mass = mass; });
+}
+void World::setShape(BodyId id, const Shape& shape) {
+  impl_->editBody("setShape", id, [&](BodyDef& body) { body.shape = shape; });
+}
+void World::setDamping(BodyId id, double linear, double angular) {
+  impl_->editBody("setDamping", id,
+                  [&](BodyDef& body) { body.linearDamping = linear, body.angularDamping = angular; });
+}
+void World::setGravityScale(BodyId id, double scale) {
+  impl_->editBody("setGravityScale", id, [&](BodyDef& body) { body.gravityScale = scale; });
+}
+void World::setLocks(BodyId id, const std::array<bool, 3>& translation, const std::array<bool, 3>& rotation) {
+  impl_->editBody("setLocks", id,
+                  [&](BodyDef& body) { body.lockTranslation = translation, body.lockRotation = rotation; });
+}
+void World::setSensor(BodyId id, bool sensor) {
+  impl_->editBody("setSensor", id, [&](BodyDef& body) { body.sensor = sensor; });
+}
+
+void World::setUserData(BodyId id, std::uint64_t userData) {
+  impl_->requireAlive(id);
+  withMemory("setUserData", [&] { impl_->registry.bodies.edit(id).def.userData = userData; });
+}
+void World::setUserData(JointId id, std::uint64_t userData) {
+  impl_->requireAlive(id);
+  withMemory("setUserData", [&] { impl_->registry.joints.edit(id).def.userData = userData; });
+}
+void World::setUserData(DeformableId id, std::uint64_t userData) {
+  impl_->requireAlive(id);
+  withMemory("setUserData", [&] { common(impl_->registry.softs.edit(id).def).userData = userData; });
+}
+std::uint64_t World::userData(BodyId id) const { return definition(id).userData; }
+std::uint64_t World::userData(JointId id) const { return definition(id).userData; }
+std::uint64_t World::userData(DeformableId id) const { return common(definition(id)).userData; }
+
+Material World::materialOf(BodyId id, int part) const {
+  const BodyDef& def = definition(id);
+  const bool hasParts = def.shape.type == ShapeType::Compound;
+  const int count = hasParts ? static_cast<int>(def.shape.geometry->parts.size()) : 1;
+  if (part < 0 || part >= count)
+    throw Error("part", "an index below " + std::to_string(count), std::to_string(part));
+  return hasParts ? def.shape.geometry->parts[static_cast<std::size_t>(part)].material.value_or(def.material)
+                  : def.material;
+}
+
+std::vector<JointId> World::jointsOf(BodyId id) const {
+  impl_->requireAlive(id);
+  return withMemory("jointsOf", [&] {
+    std::vector<JointId> joints = impl_->registry.bodies[id].joints;
+    std::ranges::sort(joints, {}, &JointId::index);
+    return joints;
+  });
+}
+
+std::vector<ContactPoint> World::contactsOf(BodyId id) const {
+  impl_->requireAlive(id);
+  std::vector<ContactPoint> points = contacts();
+  std::erase_if(points, [id](const ContactPoint& p) { return p.a != id && p.b != id; });
+  return points;
+}
+
+void World::setVelocity(BodyId id, const Vec3& velocity, const Vec3& angularVelocity) {
+  BodyState moving = state(id);
+  moving.velocity = velocity, moving.angularVelocity = angularVelocity;
+  setState(id, moving);
+}
+
+void World::applyAngularImpulse(BodyId id, const Vec3& impulse) {
+  impl_->requireAlive(id);
+  checks::finite(impulse, "impulse");
+  const BodyRecord& body = impl_->registry.bodies[id];
+  if (body.def.motion != Motion::Dynamic) return;
+  BodyState moving = state(id);
+  const Quat axes = impl_->bodyState(id).orientation;
+  const Vec3 local = rotateInverse(axes, impulse), inertia = body.mass.inertia;
+  moving.angularVelocity += rotate(axes, Vec3{local.x / inertia.x, local.y / inertia.y, local.z / inertia.z});
+  setState(id, moving);
+}
+
+void World::applyImpulseAt(BodyId id, const Vec3& impulse, const Vec3& point) {
+  impl_->requireAlive(id);
+  checks::finite(impulse, "impulse");
+  checks::finite(point, "point");
+  const Vec3 arm = point - impl_->bodyState(id).position;
+  applyImpulse(id, impulse);
+  applyAngularImpulse(id, cross(arm, impulse));
+}
+
+}  // namespace rubble
