@@ -54,6 +54,7 @@ class RankEngine final : public ObservableEngine {
   void observe(KernelObserver observer) override { cpu_.observe(std::move(observer)); }
   const HostTables& tablesNow() override { return cpu_.tablesNow(); }
 
+  int rank() const { return transport_->rank(); }
   /// Gathers what only owners have: contacts and multipliers. Every rank calls it.
   void gatherState() {
     guarded([&] { division_.gatherState(); });
