@@ -22,7 +22,10 @@ class RankEngine final : public ObservableEngine {
   void step(StepReport& report) override;
   void sortBodies() override {
     gatherState();
+    // every rank sorts all of it
+    cpu_.divide(nullptr);
     guarded([&] { cpu_.sortBodies(); });
+    cpu_.divide(&division_);
     division_.restart();
   }
   /// State of bodies and vertices is on every rank. Anything else is gathered by all ranks together.
