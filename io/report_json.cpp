@@ -104,7 +104,10 @@ Json recordJson(const RunRecord& record) {
         {"time_s", record.series->time},      {"step_ms", record.series->stepMs},
         {"energy_j", record.series->energy},  {"gap_mean_m", record.series->gapMean},
         {"gap_max_m", record.series->gapMax}, {"penetration_max_m", record.series->penetration}};
-  if (!record.ranks.empty()) json["ranks"] = ranksJson(record.ranks);
+  if (!record.ranks.empty()) {
+    json["ranks"] = ranksJson(record.ranks);
+    json["rank_imbalance"] = number(imbalanceOf(record.ranks));
+  }
   if (!record.hash.empty()) json["hash"] = record.hash;
   return json;
 }

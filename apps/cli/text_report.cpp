@@ -59,7 +59,7 @@ void ranks(Out out, const io::RunRecord& record) {
                    own.exchangeMs, static_cast<double>(own.bytes) / 1e3, own.messages, own.bodies, own.ghosts,
                    own.rows);
   }
-  fmt::format_to(out, "\n");
+  fmt::format_to(out, "  imbalance {:.1f} %\n\n", 100 * imbalanceOf(record.ranks));
 }
 
 void quality(Out out, const io::RunRecord& record) {

@@ -1,6 +1,8 @@
 #pragma once
 /// Ranks: threads or processes that share one world (backend "distributed").
+#include <algorithm>
 #include <cstdint>
+#include <vector>
 
 namespace rubble {
 
@@ -28,5 +30,15 @@ struct RankReport {
   int migrated = 0;              ///< pairs and joints whose state it received from an earlier owner
   std::int64_t memoryBytes = 0;  ///< tables, as reserved [bytes]
 };
+
+/// Largest cost of a rank over the mean, less 1 [1]. The cost is the number of its bodies and rows.
+inline double imbalanceOf(const std::vector<RankReport>& ranks) {
+  double most = 0, sum = 0;
+  for (const RankReport& rank : ranks) {
+    const double cost = static_cast<double>(rank.bodies) + static_cast<double>(rank.rows);
+    most = std::max(most, cost), sum += cost;
+  }
+  return sum > 0 ? most * static_cast<double>(ranks.size()) / sum - 1 : 0;
+}
 
 }  // namespace rubble

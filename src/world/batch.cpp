@@ -60,9 +60,9 @@ void Batch::setParams(const Params& params) {
     throw Error("sortInterval", "0 for many worlds", std::to_string(params.sortInterval));
   const bool changed = params_ != params;
   params_ = params;
+  wakesAll_ |= changed && !members_.empty();
   EngineSettings settings;
   settings.params = params;
-  settings.wakeAll = changed && !members_.empty();
   engine_->configure(settings);
 }
 
@@ -254,6 +254,13 @@ void Batch::flush() {
     own.gravity = settings.gravity, own.wakeAll |= settings.wakeAll;
     worlds().setSettings(world, own);
   }
+  // each world wakes in its next step, which may be another one
+  for (int world = 0; wakesAll_ && world < count(); ++world) {
+    WorldSettings own = worlds().settingsOf(world);
+    own.wakeAll = true;
+    worlds().setSettings(world, own);
+  }
+  wakesAll_ = false;
   if (planesChanged_) {
     SetPlanes planes;
     for (const Member& member : members_) {

@@ -101,6 +101,7 @@ class Batch {
   std::map<int, EngineSettings> settings_;   ///< of worlds, not yet given to the engine
   std::vector<int> firstAxis_, firstJoint_;  ///< [worlds + 1]
   bool rowsChanged_ = true;
+  bool wakesAll_ = false;  ///< parameters have changed
   bool layoutChanged_ = false, softsChanged_ = false, planesChanged_ = false;
 };
 

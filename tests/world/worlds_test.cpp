@@ -63,6 +63,23 @@ TEST(Worlds, AgreeInLockstep) {
   }
 }
 
+/// New parameters wake all bodies of a world in its next step, also if it is left out of the first one.
+TEST(Worlds, WakeByNewParametersInTheirOwnNextStep) {
+  Worlds worlds(worldsOptions());
+  worlds.addCopies(test::tower(2), 2);
+  worlds.step(300);
+  const BodyId top = worlds[0].bodyAt(2);
+  ASSERT_TRUE(worlds[0].asleep(top) && worlds[1].asleep(top));
+  Params params = worlds.params();
+  params.iterations = 7;
+  worlds.setParams(params);
+  worlds.step(1, std::vector<char>{1, 0});
+  EXPECT_TRUE(!worlds[0].asleep(top) && worlds[1].asleep(top));
+  worlds.step(1, std::vector<char>{0, 1});
+  EXPECT_FALSE(worlds[1].asleep(top));
+  EXPECT_EQ(worlds[0].hash(), worlds[1].hash());
+}
+
 TEST(Worlds, ArraysHaveOneRowPerBodyOfEachWorld) {
   Worlds worlds(worldsOptions());
   EXPECT_EQ(worlds.addCopies(test::heap(1), 5), 0);

@@ -16,9 +16,9 @@
 
 #include <rubble/report.h>
 
-#include "backend/cpu/division.h"
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
+#include "backend/division.h"
 #include "backend/kernel_observer.h"
 #include "stages/step.h"
 #include "tables/host_tables.h"

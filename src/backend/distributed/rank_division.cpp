@@ -227,25 +227,20 @@ void RankDivision::shareCounts() {
                                                 &Counters::failedSolves, &Counters::boundedSteps};
   struct Counts {
     int sums[std::size(kCounted)];
-    int bodies, ghosts, rows, migrated;
+    RankReport rank;
   } own{};
-  for (std::size_t k = 0; k < std::size(kCounted); ++k) own.sums[k] = s.counters->*kCounted[k];
-  own.bodies = static_cast<int>(own_.index.size());
-  own.ghosts = static_cast<int>(nodes_.size() + ghosts_.size());
-  own.rows = static_cast<int>(rows_.size());
-  own.migrated = migrated_;
-  const std::vector<Counts> all = courier_.gatherValue(own);
-  for (int Counters::*counter : kCounted) s.counters->*counter = 0;
-  reports_.assign(all.size(), {});
-  double most = 0, sum = 0;
-  for (std::size_t r = 0; r < all.size(); ++r) {
-    for (std::size_t k = 0; k < std::size(kCounted); ++k) s.counters->*kCounted[k] += all[r].sums[k];
-    reports_[r].bodies = all[r].bodies, reports_[r].ghosts = all[r].ghosts;
-    reports_[r].rows = all[r].rows, reports_[r].migrated = all[r].migrated;
-    const double cost = all[r].bodies + all[r].rows;
-    most = std::max(most, cost), sum += cost;
+  for (std::size_t k = 0; k < std::size(kCounted); ++k)
+    own.sums[k] = std::exchange(s.counters->*kCounted[k], 0);
+  own.rank.bodies = static_cast<int>(own_.index.size());
+  own.rank.ghosts = static_cast<int>(nodes_.size() + ghosts_.size());
+  own.rank.rows = static_cast<int>(rows_.size());
+  own.rank.migrated = migrated_;
+  reports_.clear();
+  for (const Counts& counts : courier_.gatherValue(own)) {
+    for (std::size_t k = 0; k < std::size(kCounted); ++k) s.counters->*kCounted[k] += counts.sums[k];
+    reports_.push_back(counts.rank);
   }
-  imbalance_ = sum > 0 ? most * ranks() / sum - 1 : 0;
+  imbalance_ = imbalanceOf(reports_);
 }
 
 void RankDivision::gatherState() {

@@ -1,5 +1,5 @@
 #pragma once
-/// The division of a step among ranks (backend/cpu/division.h). Tables have the same indices on all ranks.
+/// The division of a step among ranks (backend/division.h). Tables have the same indices on all ranks.
 /// What is cheap runs everywhere on the same numbers. What is costly runs only for the bodies of a rank, and
 /// for the constraints that act on them. Decisions go by ids and by numbers that all ranks have, so results
 /// do not depend on the number of ranks, nor on who owns what (docs/distributed.md).
@@ -7,8 +7,8 @@
 
 #include <rubble/ranks.h>
 
-#include "backend/cpu/division.h"
 #include "backend/distributed/rank_lists.h"
+#include "backend/division.h"
 #include "tables/host_tables.h"
 
 namespace rubble::RUBBLE_CORE {

@@ -12,18 +12,12 @@ void RankEngine::step(StepReport& report) {
     cpu_.step(report);
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
     const Transport::Traffic now = transport_->traffic();
-    RankReport own;
+    RankReport own = division_.reports()[static_cast<std::size_t>(rank())];
     own.exchangeMs = now.ms - before.ms;
     own.ownMs = ms - own.exchangeMs;
     own.bytes = now.bytes - before.bytes, own.messages = now.messages - before.messages;
     own.memoryBytes = static_cast<std::int64_t>(cpu_.memoryBytes());
     report.ranks = RankCourier(*transport_).gatherValue(own);
-    for (std::size_t r = 0; r < report.ranks.size(); ++r) {
-      const RankReport& counts = division_.reports()[r];
-      RankReport& to = report.ranks[r];
-      to.bodies = counts.bodies, to.ghosts = counts.ghosts;
-      to.rows = counts.rows, to.migrated = counts.migrated;
-    }
   });
 }
 

@@ -22,7 +22,10 @@ class RankEngine final : public ObservableEngine {
   void step(StepReport& report) override;
   void sortBodies() override {
     gatherState();
+    // every rank sorts all of it
+    cpu_.divide(nullptr);
     guarded([&] { cpu_.sortBodies(); });
+    cpu_.divide(&division_);
     division_.restart();
   }
   /// State of bodies and vertices is on every rank. Anything else is gathered by all ranks together.
@@ -54,6 +57,7 @@ class RankEngine final : public ObservableEngine {
   void observe(KernelObserver observer) override { cpu_.observe(std::move(observer)); }
   const HostTables& tablesNow() override { return cpu_.tablesNow(); }
 
+  int rank() const { return transport_->rank(); }
   /// Gathers what only owners have: contacts and multipliers. Every rank calls it.
   void gatherState() {
     guarded([&] { division_.gatherState(); });

@@ -2,7 +2,6 @@
 
 #include "backend/distributed/rank_processes.h"
 
-#include <map>
 #include <thread>
 
 namespace rubble::RUBBLE_CORE {
@@ -47,10 +46,7 @@ void RankTeam::together(const std::function<void(RankEngine&)>& f) {
 
 void RankTeam::step(StepReport& report) {
   std::vector<StepReport> reports(ranks_.size(), report);
-  std::size_t next = 0;
-  std::map<const RankEngine*, StepReport*> reportOf;
-  for (const auto& rank : ranks_) reportOf[rank.get()] = &reports[next++];
-  together([&](RankEngine& rank) { rank.step(*reportOf.at(&rank)); });
+  together([&](RankEngine& rank) { rank.step(reports[static_cast<std::size_t>(rank.rank())]); });
   report = std::move(reports.front());
 }
 
