@@ -50,6 +50,14 @@ rb_status rb_world_body_definition(const rb_world* world, rb_body_id body, const
   return guarded([&] { need(json, "json") = keepText(io::toJson(worldOf(world).definition(idOf(body)))); });
 }
 
+rb_status rb_world_set_body(rb_world* world, rb_body_id body, const char* json) {
+  return guarded([&] {
+    const BodyDef& before = worldOf(world).definition(idOf(body));
+    BodyDef def = io::parseBodyValues(textOr(json, ""), before);
+    worldOf(world).setDefinition(idOf(body), def);
+  });
+}
+
 rb_status rb_world_body_name(const rb_world* world, rb_body_id body, const char** name) {
   return guarded([&] { need(name, "name") = worldOf(world).definition(idOf(body)).name.c_str(); });
 }

@@ -132,6 +132,14 @@ class Body(NamedElement):
     def angular_velocity(self, value: Vector) -> None:
         self._write("angular_velocity", value)
 
+    def set(self, **values: Unpack[BodyFields]) -> None:
+        """Replaces fields of the definition from the next step on, with the keys of scene files: ``set(mass=5)``.
+
+        Pose and velocities are kept, and so are contacts unless the shape changes. ``mass`` and ``density`` replace
+        each other.
+        """
+        check(lib.rb_world_set_body(self._world._pointer, self._id, encode(values)))
+
     def set_target(self, position: Vector, orientation: Vector = (1, 0, 0, 0)) -> None:
         """Kinematic bodies: the pose to reach in the next step."""
         check(lib.rb_world_set_target(self._world._pointer, self._id, vector(position, "position"),
