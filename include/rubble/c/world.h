@@ -42,8 +42,9 @@ RB_API rb_status rb_world_find_body(const rb_world* world, const char* name, rb_
 /// Body of the scene by its index there.
 RB_API rb_status rb_world_body_at(const rb_world* world, int32_t index, rb_body_id* body);
 RB_API rb_status rb_world_body_definition(const rb_world* world, rb_body_id body, const char** json);
-/// Replaces the fields of the definition that the JSON object names, from the next step on. Pose and velocities are
-/// kept, and so are contacts unless the shape changes. "mass" and "density" replace each other.
+/// Replaces the fields of the definition that the JSON object names, from the next step on. Pose and
+/// velocities are kept, and so are contacts unless the shape changes. "mass" and "density" replace each
+/// other.
 RB_API rb_status rb_world_set_body(rb_world* world, rb_body_id body, const char* json);
 RB_API rb_status rb_world_body_name(const rb_world* world, rb_body_id body, const char** name);
 RB_API rb_status rb_world_body_mass(const rb_world* world, rb_body_id body, rb_mass* mass);
