@@ -21,6 +21,7 @@ struct rb_shape {
 
 struct rb_snapshot {
   rubble::Snapshot snapshot;
+  std::vector<std::byte> bytes = {};  ///< of the last rb_snapshot_bytes()
 };
 
 /// A world, and the lists that its last calls returned.

@@ -131,6 +131,23 @@ rb_status rb_world_restore(rb_world* world, const rb_snapshot* snapshot) {
   return guarded([&] { worldOf(world).restore(need(snapshot, "snapshot").snapshot); });
 }
 
+rb_status rb_snapshot_bytes(rb_snapshot* snapshot, const uint8_t** bytes, int64_t* count) {
+  return guarded([&] {
+    std::vector<std::byte>& own = need(snapshot, "snapshot").bytes;
+    own = snapshot->snapshot.bytes();
+    need(bytes, "bytes") = reinterpret_cast<const uint8_t*>(own.data());
+    need(count, "count") = static_cast<int64_t>(own.size());
+  });
+}
+
+rb_status rb_snapshot_from_bytes(const uint8_t* bytes, int64_t count, rb_snapshot** snapshot) {
+  return guarded([&] {
+    if (count > 0) need(bytes, "bytes");
+    const std::span<const uint8_t> given(bytes, static_cast<std::size_t>(std::max<int64_t>(0, count)));
+    need(snapshot, "snapshot") = new rb_snapshot{Snapshot::fromBytes(std::as_bytes(given))};
+  });
+}
+
 void rb_snapshot_destroy(rb_snapshot* snapshot) { delete snapshot; }
 
 rb_status rb_world_first_difference(const rb_world* world, const char** difference) {

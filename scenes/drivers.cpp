@@ -93,7 +93,7 @@ Scene buildVehicle(const Arguments&) {
     wheel.motion = Motion::Kinematic;
     wheel.shape = Shape::cylinder(.4, .14);
     wheel.position = chassis.position +
-                     rotate(chassis.orientation, Vec3{k < 2 ? 1.4 : -1.4, k % 2 ? .95 : -.95, -.5});
+                     rotate(chassis.orientation, Vec3{k < 2 ? 1.4 : -1.4, k % 2 ? 1.06 : -1.06, -.5});
     wheel.orientation = chassis.orientation * fromAxisAngle(Vec3{1, 0, 0}, 90 * kDegree);
     wheel.filter.mask = 0;
     wheel.filter.layers = 0;
@@ -108,7 +108,7 @@ Drive vehicleDriver(const Arguments&, const Scene&) {
     std::vector<BodyId> shown;
     for (int k = 0; k < 4; ++k) {
       WheelDef& wheel = wheels.emplace_back();
-      wheel.mount = {k < 2 ? 1.4 : -1.4, k % 2 ? .95 : -.95, -.1};
+      wheel.mount = {k < 2 ? 1.4 : -1.4, k % 2 ? 1.06 : -1.06, -.1};
       wheel.steers = k < 2, wheel.drives = true;
       shown.push_back(world.findBody("wheel" + std::to_string(k)));
     }

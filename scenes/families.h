@@ -47,7 +47,7 @@ std::vector<Spec> robotSpecs();      ///< robot arm, car
 std::vector<Spec> ragdollSpecs();    ///< ragdolls and their limbs
 std::vector<Spec> cableSpecs();      ///< mail, suspension bridge, trebuchet, wrecking ball
 std::vector<Spec> paperSpecs();      ///< balls on a chain and a breakable wall, of the AVBD paper
-std::vector<Spec> driverSpecs();         ///< a character and a vehicle with somebody at the controls
+std::vector<Spec> driverSpecs();     ///< a character and a vehicle with somebody at the controls
 std::vector<Spec> springSpecs();     ///< springs of avbd-demo3d
 
 }  // namespace rubble::scenes

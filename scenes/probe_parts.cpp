@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "cook/cook.h"
 #include <rubble/mesh.h>
+#include "cook/cook.h"
 
 namespace rubble::scenes {
 namespace {

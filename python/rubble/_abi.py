@@ -405,6 +405,8 @@ FUNCTIONS = {
     "rb_world_hash": (c_int, [c_void_p, c_void_p]),
     "rb_world_snapshot": (c_int, [c_void_p, c_void_p]),
     "rb_world_restore": (c_int, [c_void_p, c_void_p]),
+    "rb_snapshot_bytes": (c_int, [c_void_p, c_void_p, c_void_p]),
+    "rb_snapshot_from_bytes": (c_int, [c_void_p, c_int64, c_void_p]),
     "rb_snapshot_destroy": (None, [c_void_p]),
     "rb_world_first_difference": (c_int, [c_void_p, c_void_p]),
     "rb_worlds_create": (c_int, [c_char_p, c_void_p]),

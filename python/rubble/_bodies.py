@@ -132,15 +132,18 @@ class Body(NamedElement):
     def angular_velocity(self, value: Vector) -> None:
         self._write("angular_velocity", value)
 
+    def set(self, **values: Unpack[BodyFields]) -> None:
+        """Replaces fields of the definition from the next step on, with the keys of scene files: ``set(mass=5)``.
+
+        Pose and velocities are kept, and so are contacts unless the shape changes. ``mass`` and ``density`` replace
+        each other.
+        """
+        check(lib.rb_world_set_body(self._world._pointer, self._id, encode(values)))
+
     def set_target(self, position: Vector, orientation: Vector = (1, 0, 0, 0)) -> None:
         """Kinematic bodies: the pose to reach in the next step."""
         check(lib.rb_world_set_target(self._world._pointer, self._id, vector(position, "position"),
                                       vector(orientation, "orientation", 4)))
-
-    def set(self, **values: Unpack[BodyFields]) -> None:
-        """Replaces values of the definition from the next step on, with the keys of scene files:
-        ``set(mass=2, material={"friction": 0.5})``. Name and motion must stay; pose and velocity do."""
-        check(lib.rb_world_set_body(self._world._pointer, self._id, encode(values)))
 
     def apply_force(self, force: Vector, at: Optional[Vector] = None) -> None:
         """Applies a force [N] for the next step, at the center of mass or at a world point [m]."""

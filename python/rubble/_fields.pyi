@@ -30,6 +30,7 @@ class BodyOptions(TypedDict, total=False):
     velocity: Vector  # [m/s]
     angular_velocity: Vector  # [rad/s]
     gravity_scale: float
+    user_data: int
     linear_damping: float  # [1/s]
     angular_damping: float  # [1/s]
     lock_translation: Sequence[Literal["x", "y", "z"]]

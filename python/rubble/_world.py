@@ -109,6 +109,17 @@ class Snapshot:
     def __init__(self, handle: Handle) -> None:
         self._handle = handle
 
+    def to_bytes(self) -> bytes:
+        """The snapshot for a file: a save game. See `from_bytes`."""
+        data, count = ctypes.c_void_p(), ctypes.c_int64()
+        check(lib.rb_snapshot_bytes(self._handle.pointer, ctypes.byref(data), ctypes.byref(count)))
+        return ctypes.string_at(data, count.value)
+
+    @staticmethod
+    def from_bytes(data: bytes) -> "Snapshot":
+        """Reads what `to_bytes` gave. Raises `Error` unless the bytes are whole and of this version."""
+        return Snapshot(Handle(lib.rb_snapshot_from_bytes, lib.rb_snapshot_destroy, data, len(data)))
+
 
 class World(StateArrays, Queries, View):
     """A running simulation of a scene.

@@ -120,6 +120,8 @@ void shade() {
       albedo *= 1.0 + detail * (0.16 * cloud + 0.14 * fine * speck);
     }
     albedo *= 1.0 + 0.10 * wear;
+    // land and large meshes are mottled, so that one sees them go by
+    if (!isBox && !isRound) albedo *= 1.0 + 0.30 * (noise(position * 0.35) - 0.5);
   }
   if (selected != 0 && int(seen.x) == selected) albedo = mix(albedo, vec3(1.0, 0.55, 0.08), 0.6);
   target0 = vec4(sqrt(clamp(albedo, 0.0, 1.0)), float(finish) / 8.0);

@@ -130,6 +130,6 @@ std::unique_ptr<Engine> makeLockstepEngine(std::unique_ptr<Engine> a, std::uniqu
 namespace f64 {
 std::uint64_t tableLayout();
 std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings);
-}
+}  // namespace f64
 
 }  // namespace rubble

@@ -1,10 +1,10 @@
 /// Mass properties against closed forms and against one another, and what the cook makes of geometry.
 #include <cook/cook.h>
 #include <cook/hull.h>
-#include <rubble/mesh.h>
 #include <cook/solid_mass.h>
 #include <gtest/gtest.h>
 #include <rubble/error.h>
+#include <rubble/mesh.h>
 
 #include <algorithm>
 #include <numbers>

@@ -7,10 +7,10 @@
 #include <rubble/info.h>
 #include <rubble/rubble.h>
 
+#include <rubble/mesh.h>
 #include "backend/engine.h"
 #include "collision/point_shape.h"
 #include "cook/cook.h"
-#include <rubble/mesh.h>
 #include "forces/joint_kind.h"
 #include "io/scene_json.h"
 #include "tests/support/core.h"

@@ -33,6 +33,11 @@ void changeInEveryWay(World& world) {
   world.applyForceAt(ids[6], {0, 0, 9}, {.1, 0, 0});
   world.applyImpulse(ids[7], {1, 2, 3});
   world.wake(ids[7]);
+  world.setMass(ids[10], 1. / 3);
+  world.setShape(ids[11],
+                 Shape::compound({{Shape::sphere(.2), {.1, 0, 0}, {}}, {Shape::box({.1, .2, .1}), {}, {}}}));
+  world.setMotion(ids[12], Motion::Kinematic);
+  world.applyImpulseAt(ids[13], {1, 2, 3}, {0, 0, 1});
   world.sortBodies();
   step();
   JointDef hinge = test::ball(0, {.5, 0, 0}, 0, {-.5, 0, 0});

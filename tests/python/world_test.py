@@ -85,6 +85,34 @@ class Worlds(Case):
         world.step(30)
         self.assertEqual(world.hash(), first)
 
+    def test_a_snapshot_in_a_file_continues_bit_for_bit(self):
+        world = crate_world()
+        world.step(20)
+        data = world.snapshot().to_bytes()
+        world.step(30)
+        again = crate_world()
+        again.restore(rubble.Snapshot.from_bytes(data))
+        again.step(30)
+        self.assertEqual(again.hash(), world.hash())
+        with self.assertRaisesRegex(rubble.Error, "undamaged|fewer"):
+            rubble.Snapshot.from_bytes(data[:-1])
+
+    def test_a_body_changes_while_it_rests(self):
+        world = crate_world()
+        world.step(120)
+        crate = world.bodies["crate"]
+        before = world.hash()
+        crate.set(user_data=7)
+        self.assertEqual((crate.definition["user_data"], world.hash()), (7, before))
+        crate.set(mass=6)
+        world.step(60)
+        self.assertNear(crate.contact_load.force, (0, 0, 6 * 9.81), 0.6)
+        crate.set(mask=[])
+        world.step(30)
+        self.assertLess(crate.position[2], 0)
+        with self.assertRaisesRegex(rubble.Error, "mas"):
+            crate.set(mas=1)
+
     def test_contacts_begin_stay_and_end(self):
         world = crate_world(events=True)
         phases = []

@@ -14,8 +14,8 @@
 
 #include <rubble/scene.h>
 
-#include "cook/cook.h"
 #include <rubble/mesh.h>
+#include "cook/cook.h"
 
 namespace rubble::scenes {
 

@@ -42,8 +42,9 @@ RB_API rb_status rb_world_find_body(const rb_world* world, const char* name, rb_
 /// Body of the scene by its index there.
 RB_API rb_status rb_world_body_at(const rb_world* world, int32_t index, rb_body_id* body);
 RB_API rb_status rb_world_body_definition(const rb_world* world, rb_body_id body, const char** json);
-/// Replaces values of the definition from the next step on, as keys of scene files:
-/// {"mass": 2, "material": {"friction": 0.5}}. Pose and velocity stay.
+/// Replaces the fields of the definition that the JSON object names, from the next step on. Pose and
+/// velocities are kept, and so are contacts unless the shape changes. "mass" and "density" replace each
+/// other.
 RB_API rb_status rb_world_set_body(rb_world* world, rb_body_id body, const char* json);
 RB_API rb_status rb_world_body_name(const rb_world* world, rb_body_id body, const char** name);
 RB_API rb_status rb_world_body_mass(const rb_world* world, rb_body_id body, rb_mass* mass);
@@ -211,6 +212,10 @@ RB_API rb_status rb_world_reserve(rb_world* world, const char* kind, int32_t cou
 RB_API rb_status rb_world_hash(const rb_world* world, uint64_t* hash);
 RB_API rb_status rb_world_snapshot(const rb_world* world, rb_snapshot** snapshot);
 RB_API rb_status rb_world_restore(rb_world* world, const rb_snapshot* snapshot);
+/// The snapshot as bytes, for a file. They are valid until the next call for this snapshot.
+RB_API rb_status rb_snapshot_bytes(rb_snapshot* snapshot, const uint8_t** bytes, int64_t* count);
+/// Fails unless the bytes are whole and of this version. Load files from trusted sources only.
+RB_API rb_status rb_snapshot_from_bytes(const uint8_t* bytes, int64_t count, rb_snapshot** snapshot);
 RB_API void rb_snapshot_destroy(rb_snapshot* snapshot);
 /// Backend "lockstep" only: the first difference found, or "".
 RB_API rb_status rb_world_first_difference(const rb_world* world, const char** difference);
