@@ -78,7 +78,8 @@ void expectSame(const JointDef& a, const JointDef& b) {
     for (const auto member :
          {&JointAxis::min, &JointAxis::max, &JointAxis::limitStiffness, &JointAxis::limitDamping,
           &JointAxis::targetPosition, &JointAxis::targetSpeed, &JointAxis::driveStiffness,
-          &JointAxis::driveDamping, &JointAxis::maxDriveForce, &JointAxis::friction})
+          &JointAxis::driveDamping, &JointAxis::maxDriveForce, &JointAxis::friction, &JointAxis::armature,
+          &JointAxis::damping, &JointAxis::motorForce})
       expectSame(a.axes[i].*member, b.axes[i].*member);
 }
 
