@@ -155,10 +155,18 @@ def compare_joints(model, data, scene, name):
             check(f"{name} range: {label}", ends, model.jnt_range[index] - reference)
         dof = model.jnt_dofadr[index]
         check(f"{name} friction: {label}", axis.get("friction", 0), model.dof_frictionloss[dof])
-        if not any(model.actuator_trnid[i, 0] == index for i in range(model.nu)):
-            damping, stiffness = np.ravel(model.dof_damping[dof])[0], np.ravel(model.jnt_stiffness[index])[0]
-            check(f"{name} damping: {label}", axis.get("drive_damping", 0), damping)
-            check(f"{name} stiffness: {label}", axis.get("drive_stiffness", 0), stiffness)
+        check(f"{name} damping: {label}", axis.get("damping", 0), np.ravel(model.dof_damping[dof])[0])
+        check(f"{name} armature: {label}", axis.get("armature", 0), model.dof_armature[dof])
+        stiffness, damping, motor = np.ravel(model.jnt_stiffness[index])[0], 0.0, 0.0
+        for i in range(model.nu):
+            if model.actuator_trntype[i] != mujoco.mjtTrn.mjTRN_JOINT or model.actuator_trnid[i, 0] != index:
+                continue
+            gear, bias = model.actuator_gear[i, 0], model.actuator_biasprm[i]
+            stiffness, damping = stiffness - gear ** 2 * bias[1], damping - gear ** 2 * bias[2]
+            motor += gear * bias[0] if bias[1] == 0 and bias[2] == 0 else 0
+        check(f"{name} stiffness: {label}", axis.get("drive_stiffness", 0), stiffness, 1 + stiffness)
+        check(f"{name} drive damping: {label}", axis.get("drive_damping", 0), damping, 1 + damping)
+        check(f"{name} motor: {label}", axis.get("motor_force", 0), motor * sign, 1 + abs(motor))
 
 
 def parts_of(body):
@@ -277,6 +285,10 @@ def main():
             compare_motion(rubble, "two_hinges", ["bob"], 0.7, folder)
             compare_motion(rubble, "reach", ["bob", "tip"], 1.0, folder)
             compare_motion(rubble, "fourbar", ["crank", "coupler", "rocker"], 0.8, folder)
+            compare_motion(rubble, "armature_pendulum", ["upper", "lower"], 0.9, folder)
+            compare_motion(rubble, "geared", ["slow", "fast", "rod", "cam"], 0.5, folder)
+            compare_motion(rubble, "finger", ["proximal", "middle", "distal"], 0.11, folder)
+            compare_motion(rubble, "cable", ["link2", "link6", "link11"], 0.96, folder)
     for problem in problems:
         print("oracle:", problem)
     print(f"oracle: {sum(counts.values())} numbers compared, {len(problems)} problems")
