@@ -56,7 +56,7 @@ class ShapeMaker {
   void geom(Shape shape, const Pose& pose) {
     Geom out = like_;
     out.shape = std::move(shape);
-    out.pose = (toLink_ * Affine::of(pose)).rigid();
+    out.pose = tidied((toLink_ * Affine::of(pose)).rigid());
     link_.geoms.push_back(std::move(out));
   }
   void geomInLink(Shape shape, const Pose& pose = {}) {
@@ -120,7 +120,7 @@ class ShapeMaker {
         break;
     }
     const Pose inShape = isBox || shape.type == FreeShape::Type::Sphere ? Pose{} : alongAxis;
-    const Pose pose = (toLink_ * Affine::of(inShape)).rigid();
+    const Pose pose = tidied((toLink_ * Affine::of(inShape)).rigid());
     solid_ += placed(sumsOf(massProperties(made, 1)), pose.p, pose.q, 1);
     geomInLink(std::move(made), pose);
     return true;
@@ -244,6 +244,17 @@ class ShapeMaker {
 };
 
 }  // namespace
+
+Pose tidied(const Pose& pose) {
+  constexpr double kRoundOff = 1e-14;
+  Pose out = pose;
+  for (int k = 0; k < 3; ++k) {
+    if (std::fabs(out.p[k]) < kRoundOff) out.p[k] = 0;
+    if (std::fabs(out.q.v[k]) < kRoundOff) out.q.v[k] = 0;
+  }
+  out.q = normalize(out.q);
+  return out;
+}
 
 bool Affine::isFinite() const {
   double sum = 0;

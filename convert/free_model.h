@@ -30,6 +30,9 @@ struct Affine {
   static Affine scaling(const Vec3& s) { return {{s.x, 0, 0}, {0, s.y, 0}, {0, 0, s.z}, {}}; }
 };
 
+/// The pose without what round-off has left of zeros.
+Pose tidied(const Pose& pose);
+
 /// A shape in the frame of its prim or node, in its units.
 struct FreeShape {
   enum class Type { Box, Sphere, Capsule, Cylinder, Cone, Plane, Mesh } type = Type::Box;

@@ -106,6 +106,9 @@ class PhysicsReader {
     linkOf_.assign(count, -1), frameOf_.resize(count), seen_.assign(count, false);
     const Affine up = Affine::of({{}, quatOfEuler({std::numbers::pi / 2, 0, 0}, "xyz")});
     for (const std::size_t root : roots(count)) visit(root, up, -1, 0);
+    const bool isChosen = GltfFile::child(file_.json(), "scenes").is_array();
+    if (const auto lost = std::find(seen_.begin(), seen_.end(), false); !isChosen && lost != seen_.end())
+      throw Error(where(static_cast<std::size_t>(lost - seen_.begin())), "a tree of nodes", "a cycle");
     for (std::size_t i = 0; i < count; ++i)
       if (seen_[i]) addCollider(i);
     finishMasses();

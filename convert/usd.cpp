@@ -123,7 +123,8 @@ void UsdReader::finishMass(int index) {
   const double unit = kilogramsPerUnit_, volume = std::pow(metersPerUnit_, 3);
   const double mass = given ? prim.number("physics:mass", 0) * unit : 0,
                density = given ? prim.number("physics:density", 0) * unit / volume : 0;
-  if (mass < 0 || density < 0) prim.fail("physics:mass", "a number of at least 0", "less");
+  if (mass < 0) prim.fail("physics:mass", "a number of at least 0", "less");
+  if (density < 0) prim.fail("physics:density", "a number of at least 0", "less");
   SolidSums sums;
   for (const Collider& each : colliders_) {
     if (each.link != index || !(each.solid.volume > 0)) continue;

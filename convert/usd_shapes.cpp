@@ -141,7 +141,8 @@ void UsdReader::addCollider(const UsdPrim& prim, const Placed& placed) {
     collider.mass = prim.number("physics:mass", 0) * kilogramsPerUnit_;
     collider.density = prim.number("physics:density", 0) * kilogramsPerUnit_ / std::pow(metersPerUnit_, 3);
   }
-  if (collider.mass < 0 || collider.density < 0) prim.fail("physics:mass", "a number of at least 0", "less");
+  if (collider.mass < 0) prim.fail("physics:mass", "a number of at least 0", "less");
+  if (collider.density < 0) prim.fail("physics:density", "a number of at least 0", "less");
   if (!addShape(link, shape, toLink, like, isStatic || link.kinematic, collider.solid, report_)) return;
   report_.converted(prim.place(), prim.prim().type + inQuotes(prim.prim().name),
                     isStatic ? "static shape" : "shape of body" + inQuotes(link.name));

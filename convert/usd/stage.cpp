@@ -46,12 +46,20 @@ void addWeaker(Prim& strong, Prim&& weak) {
       else
         place = std::move(content);
     }
+  // the children of the weaker prim come first, as in USD
+  std::vector<std::unique_ptr<Prim>> children;
   for (auto& child : weak.children) {
-    if (Prim* const own = strong.child(child->name))
-      addWeaker(*own, std::move(*child));
-    else
-      strong.children.push_back(std::move(child));
+    const auto own = std::find_if(strong.children.begin(), strong.children.end(),
+                                  [&](const auto& each) { return each && each->name == child->name; });
+    if (own != strong.children.end()) {
+      addWeaker(**own, std::move(*child));
+      child = std::move(*own);
+    }
+    children.push_back(std::move(child));
   }
+  for (auto& child : strong.children)
+    if (child) children.push_back(std::move(child));
+  strong.children = std::move(children);
 }
 
 /// Targets below `from` become targets below `to`.

@@ -71,6 +71,41 @@ TEST(Models, EachRunsAndStaysFinite) {
   }
 }
 
+/// Robots with position drives hold the pose of their keyframe on the ground: 4 iterations, the time step of
+/// the model, anchors together to 0.1 mm.
+void standFor(double seconds) {
+  for (const char* name : {"standing_humanoid.xml", "standing_quadruped.xml"}) {
+    SCOPED_TRACE(name);
+    convert::ImportOptions importing;
+    importing.key = "stand";
+    const convert::Import model = convert::importModel((kModels / name).string(), importing);
+    ASSERT_GE(model.file.scene.joints.size(), 13u);
+    WorldOptions options;
+    options.threads = 1;
+    options.params.dt = model.file.dt;
+    options.params.iterations = 4;
+    World world(model.file.scene, options);
+    std::vector<BodyState> before;
+    for (const BodyId id : world.bodies()) before.push_back(world.state(id));
+    double gap = 0;
+    for (int step = 0; step < std::lround(seconds / model.file.dt); ++step) {
+      world.step();
+      for (const JointId id : world.joints()) gap = std::max(gap, world.state(id).gap);
+    }
+    EXPECT_LT(gap, 1e-4);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const BodyState now = world.state(world.bodies()[i]);
+      EXPECT_LT(length(now.position - before[i].position), 0.1) << i;
+      EXPECT_GT(std::fabs(dot(now.orientation.v, before[i].orientation.v) +
+                          now.orientation.s * before[i].orientation.s),
+                0.99)
+          << i;
+    }
+  }
+}
+TEST(Models, StandingRobotsHoldTheirPose) { standFor(1.5); }
+TEST(LongModels, StandingRobotsHoldTheirPoseForTenSeconds) { standFor(10); }
+
 /// One random change of a text.
 void mutate(std::string& text, std::mt19937& random) {
   const auto below = [&](std::size_t n) {

@@ -2,6 +2,7 @@
 
 usage: oracle.py RUBBLE [MODEL...]"""
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -239,16 +240,42 @@ def compare(rubble, file, folder):
     compare_geoms(model, data, scene, name)
 
 
-def positions(rubble, scene, bodies, steps, dt, folder):
+def positions(rubble, scene, bodies, steps, dt, folder, iterations="8"):
     """Positions of the bodies after so many steps."""
     axes = ("x_m", "y_m", "z_m")
     scene["verdict"] = [{"metric": f"{body}.{axis}", "min": -1e9} for body in bodies for axis in axes]
     file = folder / "moment.json"
     file.write_text(json.dumps(scene))
     record = json.loads(run(rubble, "run", file, "--backend", "reference", "--steps", steps, "--dt", dt,
-                            "-q", "--json", "-"))
+                            "--iterations", iterations, "-q", "--json", "-"))
     metrics = {claim["metric"]: claim["value"] for claim in record["verdict"]["claims"]}
     return np.array([[metrics[f"{body}.{axis}"] for axis in axes] for body in bodies])
+
+
+def compare_push(rubble, name, impulse, folder):
+    """Does a standing robot fall after an impulse on all of its bodies [N s], as MuJoCo's does?"""
+    file, settled, end = MODELS / (name + ".xml"), 2.0, 5.0
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    change = np.array([*impulse, 0]) / model.body_mass.sum()
+    while data.time < settled:
+        mujoco.mj_step(model, data)
+    stood = data.qpos[2]
+    data.qvel[:3] += change
+    while data.time < end:
+        mujoco.mj_step(model, data)
+    theirs = data.qpos[2] / stood
+    scene = import_scene(rubble, file, folder, "--key", "stand")
+    moving = [b["name"] for b in scene["bodies"] if b.get("motion", "dynamic") == "dynamic" and "mass" in b]
+    dt, root = model.opt.timestep, model.body(1).name
+    before = positions(rubble, scene, [root], round(settled / dt), dt, folder, "4")[0, 2]
+    scene["events"] = [{"step": round(settled / dt),
+                        "set_velocity": [{"body": body, "velocity": change.tolist()} for body in moving]}]
+    own = positions(rubble, scene, [root], round(end / dt), dt, folder, "4")[0, 2] / before
+    print(f"oracle: {name} pushed by {impulse} N s: at {own:.2f} of its height here, {theirs:.2f} in MuJoCo")
+    if (own > 0.95) != (theirs > 0.95):
+        problems.append(f"{name} pushed by {impulse}: {own:.2f} of its height here, {theirs:.2f} in MuJoCo")
 
 
 def compare_motion(rubble, name, bodies, size, folder):
@@ -272,10 +299,11 @@ def compare_motion(rubble, name, bodies, size, folder):
 
 
 def main():
-    rubble = sys.argv[1]
+    rubble = str(pathlib.Path(sys.argv[1]).resolve())
     files = [pathlib.Path(f).resolve() for f in sys.argv[2:]]
     with tempfile.TemporaryDirectory() as path:
         folder = pathlib.Path(path)
+        os.chdir(folder)  # MuJoCo logs into the present one
         for file in files or sorted(MODELS.glob("*.xml")) + sorted(MODELS.glob("*.urdf")):
             if not file.stem.endswith("_part"):
                 compare(rubble, file, folder)
@@ -289,6 +317,9 @@ def main():
             compare_motion(rubble, "geared", ["slow", "fast", "rod", "cam"], 0.5, folder)
             compare_motion(rubble, "finger", ["proximal", "middle", "distal"], 0.11, folder)
             compare_motion(rubble, "cable", ["link2", "link6", "link11"], 0.96, folder)
+            for impulse in ([50, 0], [0, 50], [10, 0], [0, 10]):
+                compare_push(rubble, "standing_humanoid", impulse, folder)
+                compare_push(rubble, "standing_quadruped", impulse, folder)
     for problem in problems:
         print("oracle:", problem)
     print(f"oracle: {sum(counts.values())} numbers compared, {len(problems)} problems")

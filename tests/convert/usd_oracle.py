@@ -140,6 +140,10 @@ def mass_of(body):
         shape, m = body["shape"], body["mass"]
         if shape["type"] == "sphere":
             return m, at, np.eye(3) * 0.4 * m * shape["radius"] ** 2
+        if shape["type"] == "cylinder":
+            r, h = shape["radius"], shape["length"]
+            across = m * (r * r / 4 + h * h / 12)
+            return m, at, frame @ np.diag([across, across, m * r * r / 2]) @ frame.T
         x, y, z = np.square(shape["size"])
         return m, at, frame @ np.diag([y + z, x + z, x + y]) @ frame.T * m / 12
     axes = frame @ matrix(given["axes"])
