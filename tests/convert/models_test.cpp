@@ -203,7 +203,7 @@ void importMutated(int rounds, unsigned seed) {
     }
     EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(10)) << text;
   }
-  EXPECT_GT(imported, rounds / 20);
+  EXPECT_GT(imported, rounds / 50);
   EXPECT_LT(imported, rounds);
 }
 
