@@ -4,6 +4,10 @@
 
 #include "c_api/handles.h"
 #include "io/definition_json.h"
+#include "io/json_reader.h"
+#if defined(RUBBLE_HAS_CONVERT)
+#include "convert/import.h"
+#endif
 
 using namespace rubble;
 using namespace rubble::c;
@@ -47,6 +51,29 @@ std::unique_ptr<rb_scene> sceneOf(io::SceneFile file, const std::string& folder)
   return out;
 }
 
+#if defined(RUBBLE_HAS_CONVERT)
+convert::ImportOptions importOptions(const char* json, bool& strict) {
+  convert::ImportOptions out;
+  std::vector<io::Fault> faults;
+  const auto value = io::parseJson(textOr(json, "{}"), faults);
+  if (value) {
+    io::ObjectReader object(io::Node(*value, "options", faults), "an object of options");
+    object.read("strict", strict);
+    object.read("key", out.key), object.read("srdf", out.srdf),
+        object.read("floating_base", out.floatingBase);
+    if (const auto folders = object.get("folders"))
+      for (const io::Node& each : folders->elements("a list of folders"))
+        out.folders.push_back(each.text().value_or(""));
+    if (const auto packages = object.get("packages"))
+      for (const auto& [name, folder] : packages->value().items())
+        out.packages[name] = packages->child(name).text().value_or("");
+    object.finish();
+  }
+  if (!faults.empty()) throw io::errorOf(faults.front());
+  return out;
+}
+#endif
+
 }  // namespace
 
 extern "C" {
@@ -71,6 +98,24 @@ rb_status rb_scene_read(const char* file, rb_scene** scene) {
     need(scene, "scene") = sceneOf(io::readScene(name), io::folderOf(name)).release();
   });
 }
+
+#if defined(RUBBLE_HAS_CONVERT)
+rb_status rb_scene_import(const char* file, const char* options, rb_scene** scene, const char** report) {
+  return guarded([&] {
+    const std::string name = textOr(file, "");
+    bool strict = false;
+    convert::Import import = convert::importModel(name, importOptions(options, strict));
+    if (report) *report = keepText(convert::jsonOf(import.report));
+    if (strict && !import.report.exact())
+      throw Error(name, "a model that is imported exactly", convert::textOf(import.report, false));
+    need(scene, "scene") = sceneOf(std::move(import.file), io::folderOf(name)).release();
+  });
+}
+#else
+rb_status rb_scene_import(const char* file, const char*, rb_scene**, const char**) {
+  return guarded([&] { throw Error(textOr(file, ""), "a build with pugixml", "one without"); });
+}
+#endif
 
 void rb_scene_destroy(rb_scene* scene) { delete scene; }
 

@@ -48,11 +48,15 @@ if(RUBBLE_ASSIMP_INCLUDE AND RUBBLE_ASSIMP_LIBRARY)
 endif()
 rubble_precompile(rubble_meshes <nlohmann/json.hpp>)
 
+# Layers of USD, as text and as crate files.
+rubble_add_library(rubble_usd convert/usd)
+target_link_libraries(rubble_usd PUBLIC rubble_io)
+
 # Models of robots as scenes. Left out where pugixml is missing; RUBBLE_HAS_CONVERT says whether it is in.
 find_package(pugixml QUIET)
 if(pugixml_FOUND)
   rubble_add_library(rubble_convert convert)
-  target_link_libraries(rubble_convert PUBLIC rubble_meshes rubble_io pugixml::pugixml)
+  target_link_libraries(rubble_convert PUBLIC rubble_usd rubble_meshes rubble_io pugixml::pugixml)
   target_compile_definitions(rubble_convert PUBLIC RUBBLE_HAS_CONVERT=1)
   rubble_precompile(rubble_convert <nlohmann/json.hpp> <pugixml.hpp>)
 endif()

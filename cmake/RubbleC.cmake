@@ -13,6 +13,9 @@ target_include_directories(rubble_c PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOUR
 target_link_libraries(rubble_c PRIVATE
   $<BUILD_INTERFACE:rubble_render> $<BUILD_INTERFACE:rubble_io> $<BUILD_INTERFACE:rubble_scenes>
   $<BUILD_INTERFACE:rubble> $<BUILD_INTERFACE:rubble_warnings> ${CMAKE_DL_LIBS})
+if(TARGET rubble_convert)
+  target_link_libraries(rubble_c PRIVATE $<BUILD_INTERFACE:rubble_convert>)
+endif()
 rubble_precompile(rubble_c <nlohmann/json.hpp>)
 set(c_api_exports ${PROJECT_SOURCE_DIR}/c_api/exports.map)
 target_link_options(rubble_c PRIVATE -Wl,--version-script=${c_api_exports} -Wl,--as-needed -Wl,--no-undefined

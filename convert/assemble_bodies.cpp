@@ -103,6 +103,8 @@ class BodyBuilder {
     const Pose& pose = layout_.inWorld[static_cast<std::size_t>(root)];
     body.position = pose.p, body.orientation = pose.q;
     body.gravityScale = own.gravityScale;
+    body.velocity = layout_.velocity[static_cast<std::size_t>(root)];
+    body.angularVelocity = layout_.angularVelocity[static_cast<std::size_t>(root)];
     std::optional<MassProperties> mass;
     if (!own.kinematic) {
       const std::string path = own.place.text() + ": " + body.name;
@@ -110,6 +112,8 @@ class BodyBuilder {
         throw Error(path + ".mass",
                     "a mass above 0 of a body that moves (an inertial, or geometry with a density)", "none");
       mass = principal(sums);
+      if (!own.free || own.velocityOfOrigin)
+        body.velocity += cross(body.angularVelocity, rotate(pose.q, mass->center));
       checkInertia(*mass, path + ".inertia");
     }
     if (colliding.parts.empty()) body.filter.layers = body.filter.mask = 0;

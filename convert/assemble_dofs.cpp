@@ -13,25 +13,7 @@ namespace {
 /// Cosine below which directions are orthogonal, and distance below which axes meet [1, m].
 constexpr double kAligned = 1e-6;
 
-/// Limits, drive and friction of a degree of freedom. `sign`: of its coordinate.
-JointAxis axisOf(const Dof& dof, double sign) {
-  JointAxis axis;
-  if (dof.range) {
-    axis.min = (*dof.range)[0] - dof.reference, axis.max = (*dof.range)[1] - dof.reference;
-    if (sign < 0) {
-      const double most = -axis.min;
-      axis.min = -axis.max, axis.max = most;
-    }
-  }
-  const DofDrive& drive = dof.drive;
-  axis.driveStiffness = drive.stiffness, axis.driveDamping = drive.damping;
-  if (drive.stiffness > 0)
-    axis.targetPosition = sign * (drive.stiffnessTarget / drive.stiffness - dof.reference);
-  if (drive.damping > 0) axis.targetSpeed = sign * drive.dampingSpeed / drive.damping;
-  axis.maxDriveForce = drive.maxForce;
-  axis.friction = dof.friction;
-  return axis;
-}
+JointAxis axisOf(const Dof& dof, double sign) { return convert::axisOf(dof, sign, dof.reference); }
 
 JointAxis locked() {
   JointAxis axis;
@@ -43,12 +25,13 @@ JointDef ballOf(const Dof& dof, Report& report) {
   JointDef joint;
   joint.friction = dof.friction;
   const DofDrive& drive = dof.drive;
-  if (!dof.range && !(drive.stiffness > 0) && !(drive.damping > 0)) {
+  const double damping = drive.damping + dof.damping;
+  if (!dof.range && !(drive.stiffness > 0) && !(damping > 0)) {
     joint.type = JointType::Ball;
     return joint;
   }
   joint.type = JointType::SwingTwist;
-  joint.driveStiffness = drive.stiffness, joint.driveDamping = drive.damping;
+  joint.driveStiffness = drive.stiffness, joint.driveDamping = damping;
   joint.maxDriveTorque = drive.maxForce;
   if (dof.range) {
     constexpr double kNarrowest = 1e-3;
@@ -127,7 +110,7 @@ class SixDof {
     for (std::size_t i = 3; i < 6; ++i) joint_.axes[i] = {};
     const Dof& dof = *turns_.front();
     if (turns_.size() > 1) note(Effect::Lost, "hinges beside a ball joint add no freedom and are left out");
-    if (dof.range || dof.drive.stiffness > 0 || dof.drive.damping > 0 || dof.friction > 0)
+    if (dof.range || dof.drive.stiffness > 0 || dof.damping > 0 || dof.friction > 0)
       report_.note(Effect::Lost, dof.place, "joint" + inQuotes(dof.name),
                    "limit, spring, damping and friction of a ball joint beside slides");
   }
@@ -164,7 +147,7 @@ class SixDof {
       orthogonal = orthogonal && std::fabs(along) > 1 - kAligned;
       const bool plain = std::all_of(turns_.begin(), turns_.end(), [](const Dof* dof) {
         return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) &&
-               !(dof->friction > 0);
+               !(dof->friction > 0) && !(dof->damping > 0) && !(dof->armature > 0) && dof->motorForce == 0;
       });
       if (!plain)
         note(Effect::Approximate,
@@ -225,6 +208,26 @@ class SixDof {
 };
 
 }  // namespace
+
+JointAxis axisOf(const Coordinate& from, double sign, double zero) {
+  JointAxis axis;
+  if (from.range) {
+    axis.min = (*from.range)[0] - zero, axis.max = (*from.range)[1] - zero;
+    if (sign < 0) {
+      const double most = -axis.min;
+      axis.min = -axis.max, axis.max = most;
+    }
+  }
+  axis.limitStiffness = from.limitStiffness;
+  const DofDrive& drive = from.drive;
+  axis.driveStiffness = drive.stiffness, axis.driveDamping = drive.damping;
+  if (drive.stiffness > 0) axis.targetPosition = sign * (drive.stiffnessTarget / drive.stiffness - zero);
+  if (drive.damping > 0) axis.targetSpeed = sign * drive.dampingSpeed / drive.damping;
+  axis.maxDriveForce = drive.maxForce;
+  axis.friction = from.friction;
+  axis.armature = from.armature, axis.damping = from.damping, axis.motorForce = sign * from.motorForce;
+  return axis;
+}
 
 TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
   const Dof& first = link.dofs.front();

@@ -21,6 +21,11 @@ class JointBuilder {
       if (!model_.links[i].dofs.empty()) addTree(i);
     for (const Loop& loop : model_.loops) addLoop(loop);
     for (const Coupling& coupling : model_.couplings) addCoupling(coupling);
+    for (const FreeJoint& joint : model_.joints) addFree(joint);
+    for (const Tendon& tendon : model_.tendons) {
+      auto joint = tendonOf(model_, layout_, tendon, report_);
+      if (joint) add(std::move(*joint), tendon.place, "tendon", tendon.name);
+    }
   }
 
  private:
@@ -59,6 +64,25 @@ class JointBuilder {
     scene_.joints.push_back(std::move(joint));
   }
 
+  void add(JointDef joint, const Place& place, const std::string& kind, const std::string& name) {
+    joint.name = names_.unique(name.empty() ? kind : name);
+    report_.converted(place, kind + inQuotes(name), keyword(joint.type) + inQuotes(joint.name));
+    scene_.joints.push_back(std::move(joint));
+  }
+
+  void addFree(const FreeJoint& from) {
+    JointDef joint = from.joint;
+    joint.bodyA = bodyIndex(layout_, from.linkA), joint.bodyB = bodyIndex(layout_, from.linkB);
+    const std::string what = "joint" + inQuotes(joint.name);
+    if (joint.bodyA == joint.bodyB || (!isDynamic(joint.bodyA) && !isDynamic(joint.bodyB)))
+      return report_.note(Effect::None, from.place, what, "its bodies do not move relative to one another");
+    const Pose a = poseInBody(layout_, from.linkA), b = poseInBody(layout_, from.linkB);
+    joint.anchorA = a * joint.anchorA, joint.anchorB = b * joint.anchorB;
+    joint.frameA = normalize(a.q * joint.frameA), joint.frameB = normalize(b.q * joint.frameB);
+    joint.orientationAtoB = normalize(joint.frameB * conjugate(joint.frameA));
+    add(std::move(joint), from.place, "joint", from.joint.name);
+  }
+
   void addCoupling(const Coupling& coupling) {
     const auto single = [&](const std::pair<int, int>& dof) {
       const auto link = static_cast<std::size_t>(dof.first);
@@ -68,23 +92,28 @@ class JointBuilder {
     const std::string what = "coupling" + inQuotes(coupling.name);
     const auto lose = [&](const std::string& why) { report_.note(Effect::Lost, coupling.place, what, why); };
     if (a < 0 || b < 0) return lose("only joints that are alone in their body can be coupled");
-    if (coupling.ratio == 0) return lose("a coupling with the factor 0");
     const auto type = [&](int joint) { return scene_.joints[static_cast<std::size_t>(joint)].type; };
+    const auto start = [&](const std::pair<int, int>& dof) {
+      return model_.links[static_cast<std::size_t>(dof.first)].dofs.front().start;
+    };
+    const double ratio = coupling.terms[1];
+    const bool isLinear = coupling.terms[2] == 0 && coupling.terms[3] == 0 && coupling.terms[4] == 0;
+    const bool hingeA = type(a) == JointType::Hinge, hingeB = type(b) == JointType::Hinge;
     JointDef joint;
-    if (type(a) == JointType::Hinge && type(b) == JointType::Hinge)
-      joint = gearBetween(scene_, a, b, -coupling.ratio);
-    else if (type(a) == JointType::Slider && type(b) == JointType::Hinge)
-      joint = rackBetween(scene_, b, a, coupling.ratio);
-    else if (type(a) == JointType::Hinge && type(b) == JointType::Slider)
-      joint = rackBetween(scene_, a, b, 1 / coupling.ratio);
-    else
-      return lose("only a hinge can be coupled with a hinge or a slide");
-    if (coupling.offset != 0)
-      report_.note(Effect::Approximate, coupling.place, what,
-                   "a gear keeps the offset that its joints have at the beginning");
-    joint.name = names_.unique(coupling.name.empty() ? "coupling" : coupling.name);
-    report_.converted(coupling.place, what, keyword(joint.type) + inQuotes(joint.name));
-    scene_.joints.push_back(std::move(joint));
+    if (!isLinear || ratio == 0 || !(hingeA || hingeB)) {
+      auto found = cam(model_, layout_, coupling, report_);
+      if (!found) return;
+      joint = std::move(*found);
+    } else {
+      joint = hingeA && hingeB ? gearBetween(scene_, a, b, -ratio)
+              : hingeA         ? rackBetween(scene_, a, b, 1 / ratio)
+                               : rackBetween(scene_, b, a, ratio);
+      // gears and racks measure from the beginning: theta_A - ratio theta_B, theta_A / ratio - travel_B,
+      // ratio theta_B - travel_A
+      const double left = coupling.terms[0] + ratio * start(coupling.dofB) - start(coupling.dofA);
+      joint.axes[0].min = joint.axes[0].max = hingeA && hingeB ? left : hingeA ? left / ratio : -left;
+    }
+    add(std::move(joint), coupling.place, "coupling", coupling.name);
   }
 
   const Model& model_;

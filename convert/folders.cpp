@@ -1,6 +1,8 @@
 #include "convert/folders.h"
 
 #include <algorithm>
+#include <fstream>
+#include <sstream>
 #include <system_error>
 
 #include <rubble/error.h>
@@ -8,6 +10,17 @@
 namespace rubble::convert {
 
 namespace fs = std::filesystem;
+
+std::string bytesOf(const fs::path& file, const std::string& who) {
+  constexpr std::streamoff kMostBytes = std::streamoff{1} << 29;
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!in) throw Error(who, "a file that can be read", "\"" + file.filename().string() + "\"");
+  if (in.tellg() > kMostBytes) throw Error(who, "a file of at most 512 MiB", "a larger one");
+  in.seekg(0);
+  std::ostringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
 
 void Folders::allow(const fs::path& folder) {
   std::error_code failed;

@@ -8,6 +8,9 @@
 
 namespace rubble::convert {
 
+/// The bytes of a file. Throws Error at `who` if it cannot be read, or has more than 512 MiB.
+std::string bytesOf(const std::filesystem::path& file, const std::string& who);
+
 class Folders {
  public:
   /// Throws Error if there is no such folder.

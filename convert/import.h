@@ -1,6 +1,6 @@
 #pragma once
-/// Robot models from other programs as scenes: MJCF (MuJoCo) and URDF with SRDF. docs/importing.md lists what
-/// is supported.
+/// Models from other programs as scenes: MJCF (MuJoCo), URDF with SRDF, USD with UsdPhysics, and glTF with
+/// KHR_physics_rigid_bodies. docs/importing.md lists what is supported.
 #include <map>
 #include <string>
 #include <vector>
@@ -25,9 +25,15 @@ struct Import {
   Report report;
 };
 
+/// Does importModel read this file? By its ending; glTF files that hold no physics are meshes.
+bool isModelFile(const std::string& file);
+
 /// Reads a model file. Throws Error with file, line and path ("robot.xml:12: geom.size") of what is invalid:
 /// malformed XML, includes that form a cycle, files outside of the folders, numbers that are not finite.
 /// Everything else that has no counterpart is in the report.
 Import importModel(const std::string& file, const ImportOptions& options = {});
+/// The same for a content in memory, whose format its first bytes tell. `name`: in places and errors. No
+/// other file is read.
+Import importContent(const std::string& content, const std::string& name, const ImportOptions& options = {});
 
 }  // namespace rubble::convert

@@ -1,104 +1,151 @@
-/// <actuator>: a force gear * (gain * ctrl + b0 + b1 * length + b2 * speed), with length = gear * q, is a
-/// drive of stiffness -b1 gear^2 and damping -b2 gear^2. A force that depends on neither has no drive.
+/// <actuator>: a force gear * f with f = constant + byLength * length + bySpeed * speed, length = gear * q,
+/// is a drive of stiffness -byLength gear^2 and damping -bySpeed gear^2, or a plain force of a motor.
 #include <algorithm>
 #include <cmath>
 
+#include "convert/mjcf_muscle.h"
 #include "convert/mjcf_reader.h"
 
 namespace rubble::convert {
 namespace {
 
-/// Force of an actuator per unit gear: constant, by length and by speed. Empty: not of that form.
-struct Law {
-  double constant = 0, byLength = 0, bySpeed = 0;
-};
+using Law = MjcfLaw;
 
-std::optional<Law> generalLaw(const Tag& tag, double control) {
-  const std::string dynamics = tag.text("dyntype").value_or("none"),
-                    gain = tag.text("gaintype").value_or("fixed"),
-                    bias = tag.text("biastype").value_or("none");
-  const auto gains = tag.numbers("gainprm", 1, 10).value_or(std::vector<double>{1});
-  auto biases = tag.numbers("biasprm", 1, 10).value_or(std::vector<double>{0});
-  biases.resize(std::max<std::size_t>(biases.size(), 3));
-  if (dynamics != "none" || gain != "fixed" || (bias != "none" && bias != "affine")) return std::nullopt;
-  if (bias == "none") biases.assign(3, 0);
-  return Law{gains[0] * control + biases[0], biases[1], biases[2]};
+/// Is its input an activation, which follows the control by a differential equation?
+bool hasActivation(const Tag& tag) {
+  const std::string type = tag.type();
+  return type == "intvelocity" || type == "cylinder" || type == "muscle" ||
+         (type == "position" && tag.number("timeconst", 0) != 0) ||
+         (type == "general" && tag.text("dyntype").value_or("none") != "none");
 }
 
-std::optional<Law> lawOf(const Tag& tag, double control, Report& report) {
+}  // namespace
+
+std::optional<MjcfLaw> MjcfReader::lawOf(const Tag& tag, double control, double activation,
+                                         const MjcfTarget& target) {
   const std::string type = tag.type();
-  if (type == "general") return generalLaw(tag, control);
+  const auto approximate = [&](const char* key, const char* why) {
+    report_.note(Effect::Approximate, tag.place(), type + "." + key, why);
+  };
+  const auto integrated = [&] {
+    if (control != 0)
+      report_.note(Effect::Lost, tag.place(), tag.describe(), "the target does not move with its control");
+    return activation;
+  };
   if (type == "motor") return Law{control, 0, 0};
-  if (type == "position") {
-    const double kp = tag.number("kp", 1), kv = tag.number("kv", 0);
-    if (tag.number("dampratio", 0) != 0)
-      report.note(Effect::Lost, tag.place(), "position.dampratio", "damping by a ratio; give kv");
-    if (tag.number("timeconst", 0) != 0)
-      report.note(Effect::Approximate, tag.place(), "position.timeconst", "the target is not filtered");
-    return Law{kp * control, -kp, -kv};
+  if (type == "position" || type == "intvelocity") {
+    const double kp = tag.number("kp", 1), ratio = tag.number("dampratio", 0);
+    double kv = tag.number("kv", 0);
+    if (ratio > 0 && target.dof)
+      kv = 2 * ratio * std::sqrt(std::max(kp * inertiaSeen(*target.dof), 0.)) / std::fabs(target.gear);
+    else if (ratio > 0)
+      report_.note(Effect::Lost, tag.place(), type + ".dampratio", "of an actuator of a tendon; give kv");
+    if (tag.number("timeconst", 0) != 0) approximate("timeconst", "the target is not filtered");
+    return Law{kp * (type == "position" ? control : integrated()), -kp, -kv};
   }
   if (type == "velocity") {
     const double kv = tag.number("kv", 1);
     return Law{kv * control, 0, -kv};
   }
   if (type == "damper") return Law{0, 0, -tag.number("kv", 1) * control};
-  return std::nullopt;
+  if (type == "muscle") return muscleLaw(tag, activation, target);
+  auto biases = tag.numbers(type == "cylinder" ? "bias" : "biasprm", 1, 10).value_or(std::vector<double>{0});
+  biases.resize(std::max<std::size_t>(biases.size(), 3));
+  if (type == "cylinder") {
+    const double diameter = tag.number("diameter", 0), area = tag.number("area", 1);
+    if (control != 0) approximate("timeconst", "the control is not filtered");
+    return Law{(diameter > 0 ? std::acos(-1.) / 4 * diameter * diameter : area) * control + biases[0],
+               biases[1], biases[2]};
+  }
+  if (type != "general") return std::nullopt;
+  const std::string dynamics = tag.text("dyntype").value_or("none"),
+                    gain = tag.text("gaintype").value_or("fixed"),
+                    bias = tag.text("biastype").value_or("none");
+  if (dynamics == "muscle" || gain == "muscle" || bias == "muscle") return muscleLaw(tag, activation, target);
+  if (gain != "fixed" && gain != "affine") return std::nullopt;
+  if (bias != "none" && bias != "affine") return std::nullopt;
+  auto gains = tag.numbers("gainprm", 1, 10).value_or(std::vector<double>{1});
+  gains.resize(std::max<std::size_t>(gains.size(), 3));
+  if (gain == "fixed") gains[1] = gains[2] = 0;
+  if (bias == "none") biases.assign(3, 0);
+  double input = control;
+  if (dynamics == "integrator")
+    input = integrated();
+  else if (dynamics == "user")
+    return std::nullopt;
+  else if (dynamics != "none" && control != activation)
+    approximate("dyntype", "the control is not filtered");
+  return Law{gains[0] * input + biases[0], gains[1] * input + biases[1], gains[2] * input + biases[2]};
 }
 
-}  // namespace
+std::optional<MjcfTarget> MjcfReader::targetOf(const Tag& tag) {
+  MjcfTarget out;
+  out.gear = tag.numbers("gear", 1, 6).value_or(std::vector<double>{1})[0];
+  if (tag.has("tendon")) {
+    const std::string name = tag.need("tendon");
+    const auto found = tendonByName_.find(name);
+    if (found == tendonByName_.end()) tag.fail("tendon", "the name of a tendon", "\"" + name + "\"");
+    Tendon& own = model_.tendons[found->second];
+    out.coordinate = &own, out.what = "tendon" + inQuotes(name), out.length = out.gear * lengthInFile(own);
+    return out;
+  }
+  const char* joint = tag.has("joint") ? "joint" : "jointinparent";
+  if (!tag.has(joint)) {
+    report_.note(Effect::Lost, tag.place(), tag.describe(), "only joints and tendons have actuators");
+    return std::nullopt;
+  }
+  const std::string name = tag.need(joint);
+  const auto found = dofByName_.find(name);
+  if (found == dofByName_.end()) tag.fail(joint, "the name of a joint of a body", "\"" + name + "\"");
+  Dof& own = dof(found->second);
+  if (own.type == DofType::Ball) {
+    report_.note(Effect::Lost, tag.place(), tag.describe(), "an actuator of a ball joint");
+    return std::nullopt;
+  }
+  out.coordinate = &own, out.dof = found->second, out.what = "joint" + inQuotes(own.name);
+  out.length = out.gear * (own.reference + own.start);
+  if (const auto limit = actuatorForce_.find(found->second); limit != actuatorForce_.end())
+    out.most = limit->second;
+  return out;
+}
 
 void MjcfReader::readActuator(const Tag& tag) {
-  const std::size_t index = actuators_++;
-  const std::string what = tag.type() + inQuotes(tag.name());
-  const auto lose = [&](const std::string& why) { report_.note(Effect::Lost, tag.place(), what, why); };
+  const std::size_t index = actuators_++, activated = activated_;
+  activated_ += hasActivation(tag);
+  const std::string what = tag.describe();
   if (!compiler_.actuation) return report_.note(Effect::None, tag.place(), what, "actuation is disabled");
-  const char* joint = tag.has("joint") ? "joint" : "jointinparent";
-  if (!tag.has(joint)) return lose("only actuators of joints become drives");
-  const auto found = dofByName_.find(tag.need(joint));
-  if (found == dofByName_.end()) {
-    const std::string& name = tag.need(joint);
-    tag.fail(joint, "the name of a joint of a body", "\"" + name + "\"");
-  }
-  Dof& own = dof(found->second);
-  if (own.type == DofType::Ball) return lose("an actuator of a ball joint");
-  const double gear = tag.numbers("gear", 1, 6).value_or(std::vector<double>{1})[0];
+  const auto target = targetOf(tag);
+  if (!target) return;
+  const double gear = target->gear, square = gear * gear;
   double control = index < controls_.size() ? controls_[index] : 0;
   if (const auto range = limitOf(tag, "ctrlrange", "ctrllimited"))
     control = std::clamp(control, (*range)[0], (*range)[1]);
-  double most = kHard;
+  const std::optional<Law> law = lawOf(
+      tag, control, activated < activations_.size() ? activations_[activated] : 0, *target);
+  if (!law) return report_.note(Effect::Lost, tag.place(), what, "an actuator of this kind");
+  double most = target->most, force = law->constant;
   if (const auto range = limitOf(tag, "forcerange", "forcelimited")) {
-    most = std::fabs(gear) * std::max(std::fabs((*range)[0]), std::fabs((*range)[1]));
-    if ((*range)[0] != -(*range)[1])
+    most = std::min(most, std::fabs(gear) * std::max(std::fabs((*range)[0]), std::fabs((*range)[1])));
+    force = std::clamp(force, (*range)[0], (*range)[1]);
+    if ((*range)[0] != -(*range)[1] && (law->byLength != 0 || law->bySpeed != 0))
       report_.note(Effect::Approximate, tag.place(), tag.type() + ".forcerange",
                    "the larger bound holds both ways");
   }
-  if (const auto limit = actuatorForce_.find(found->second); limit != actuatorForce_.end())
-    most = std::min(most, limit->second);
-  const std::optional<Law> law = lawOf(tag, control, report_);
-  if (!law)
-    return lose(
-        "only motor, position, velocity, damper and general actuators without dynamics become drives");
-  for (const char* passive : {"damping", "armature"})
-    if (const auto list = tag.numbers(passive, 1, 3); list && (*list)[0] != 0)
-      report_.note(Effect::Lost, tag.place(), tag.type() + "." + passive,
-                   "of an actuator; give it to the joint");
-  if (law->byLength > 0 || law->bySpeed > 0) return lose("a force that grows with position or speed");
+  if (law->byLength > 0 || law->bySpeed > 0)
+    return report_.note(Effect::Lost, tag.place(), what, "a force that grows with position or speed");
+  Coordinate& own = *target->coordinate;
   if (law->byLength == 0 && law->bySpeed == 0) {
-    if (law->constant == 0)
-      return lose("a drive has no plain force; apply " + std::to_string(gear) +
-                  " N or N m for each unit of control with World::applyTorque or applyForce");
-    return lose("a constant force");
+    own.motorForce += std::clamp(gear * force, -most, most);
+    return report_.converted(tag.place(), what, "motor of " + target->what);
   }
-  if (law->byLength == 0 && law->constant != 0 && !(law->bySpeed < 0)) return lose("a constant force");
   DofDrive& drive = own.drive;
-  if (most < kHard && (drive.stiffness > 0 || drive.damping > 0))
+  if (most < kHard && drive.maxForce == kHard && drive.stiffness > 0)
     report_.note(Effect::Approximate, tag.place(), what,
-                 "the largest force of the drive also bounds spring and damping of the joint");
-  const double square = gear * gear;
+                 "the largest force of the drive also bounds the spring of the joint");
   drive.stiffness -= law->byLength * square, drive.damping -= law->bySpeed * square;
   (law->byLength < 0 ? drive.stiffnessTarget : drive.dampingSpeed) += gear * law->constant;
   drive.maxForce = drive.maxForce < kHard ? drive.maxForce + most : most;
-  report_.converted(tag.place(), what, "drive of joint" + inQuotes(own.name));
+  report_.converted(tag.place(), what, "drive of " + target->what);
 }
 
 }  // namespace rubble::convert

@@ -42,6 +42,7 @@ void MjcfReader::readChildren(pugi::xml_node node, const MjcfScope& scope) {
     if (type == "geom") readGeom(tagOf(child, scope.childClass), scope);
     if (type == "joint") readJoint(tagOf(child, scope.childClass), scope);
     if (type == "freejoint") readJoint(Tag(source_, child), scope);
+    if (type == "flexcomp") readFlexcomp(Tag(source_, child), scope);
     if (type == "site") {
       const Tag tag = tagOf(child, scope.childClass);
       if (const std::string name = tag.name(); !name.empty())

@@ -7,6 +7,8 @@
 
 namespace rubble::convert {
 
+static constexpr double kLeastStep = 1e-6;  // [s]
+
 void MjcfReader::readCompiler(pugi::xml_node node) {
   const Tag tag(source_, node);
   if (tag.has("angle")) compiler_.degrees = tag.choice("angle", {"radian", "degree"}, 1) == 1;
@@ -33,6 +35,10 @@ void MjcfReader::readCompiler(pugi::xml_node node) {
 void MjcfReader::readOption(pugi::xml_node node) {
   const Tag tag(source_, node);
   model_.gravity = tag.vector("gravity").value_or(model_.gravity);
+  if (const auto step = tag.number("timestep")) {
+    if (!(*step >= kLeastStep && *step <= 1)) tag.fail("timestep", "1e-6 to 1 s", std::to_string(*step));
+    model_.timeStep = step;
+  }
   for (const char* medium : {"density", "viscosity"})
     if (tag.number(medium, 0) != 0)
       report_.note(Effect::Lost, tag.place(), std::string("option.") + medium,

@@ -64,18 +64,20 @@ void MjcfReader::readJoint(const Tag& tag, const MjcfScope& scope) {
   const double stiffness = coefficient("stiffness"), damping = coefficient("damping");
   const double rest = out.type == DofType::Ball ? 0 : coordinate(tag.number("springref", 0));
   if (compiler_.springs) out.drive.stiffness = stiffness, out.drive.stiffnessTarget = stiffness * rest;
-  if (compiler_.dampers) out.drive.damping = damping;
+  if (compiler_.dampers) out.damping = damping;
   const double friction = tag.number("frictionloss", 0);
   if (friction < 0) tag.fail("frictionloss", "a number of at least 0", std::to_string(friction));
   if (compiler_.friction) out.friction = friction;
-  if (tag.number("armature", 0) != 0)
-    report_.note(Effect::Lost, tag.place(), "joint.armature",
-                 "inertia of a rotor about its joint; without it the joint accelerates faster");
-  const auto springDamper = tag.range("springdamper");
-  if (springDamper && ((*springDamper)[0] != 0 || (*springDamper)[1] != 0))
-    report_.note(Effect::Lost, tag.place(), "joint.springdamper",
-                 "a spring by its time constant; give stiffness and damping");
+  out.armature = tag.number("armature", 0);
+  if (out.armature < 0) tag.fail("armature", "a number of at least 0", std::to_string(out.armature));
+  if (out.armature > 0 && out.type == DofType::Ball)
+    report_.note(Effect::Lost, tag.place(), "joint.armature", "of a ball joint");
   const std::pair<int, int> at{scope.link, static_cast<int>(own.dofs.size())};
+  const auto springDamper = tag.range("springdamper");
+  if (springDamper && (*springDamper)[0] > 0 && (*springDamper)[1] > 0) {
+    if (compiler_.springs) out.drive.stiffnessTarget = rest;
+    springDampers_[at] = *springDamper;
+  }
   if (const auto force = limitOf(tag, "actuatorfrcrange", "actuatorfrclimited"))
     actuatorForce_[at] = std::max(std::fabs((*force)[0]), std::fabs((*force)[1]));
   if (!name.empty() && !dofByName_.emplace(name, at).second)

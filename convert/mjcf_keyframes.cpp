@@ -24,6 +24,28 @@ void MjcfReader::readKeyframes(pugi::xml_node node) {
   }
 }
 
+void MjcfReader::readSpeeds(const Tag& tag) {
+  std::size_t speeds = 0;
+  for (const Link& each : model_.links) {
+    speeds += each.free ? 6 : 0;
+    for (const Dof& own : each.dofs) speeds += own.type == DofType::Ball ? 3 : 1;
+  }
+  const auto v = tag.numbers("qvel", speeds, speeds);
+  if (!v) return;
+  std::size_t at = 0;
+  const auto vector = [&] {
+    at += 3;
+    return Vec3{(*v)[at - 3], (*v)[at - 2], (*v)[at - 1]};
+  };
+  for (Link& each : model_.links) {
+    if (each.free) {
+      each.velocity = vector(), each.velocityOfOrigin = true;
+      each.angularVelocity = rotate(each.start ? each.start->q : each.pose.q, vector());
+    }
+    for (Dof& own : each.dofs) own.startSpeed = own.type == DofType::Ball ? vector() : Vec3{(*v)[at++], 0, 0};
+  }
+}
+
 void MjcfReader::applyKey(const Tag& tag) {
   constexpr std::size_t kMost = 1000000;
   std::size_t positions = 0, mocaps = 0;
@@ -63,10 +85,9 @@ void MjcfReader::applyKey(const Tag& tag) {
     each.start = pose;
     ++mocap;
   }
-  const auto speeds = tag.numbers("qvel", 0, kMost).value_or(std::vector<double>{});
-  if (std::any_of(speeds.begin(), speeds.end(), [](double v) { return v != 0; }))
-    report_.note(Effect::Lost, tag.place(), "key.qvel", "the scene starts at rest");
+  readSpeeds(tag);
   controls_ = tag.numbers("ctrl", 0, kMost).value_or(std::vector<double>{});
+  activations_ = tag.numbers("act", 0, kMost).value_or(std::vector<double>{});
 }
 
 }  // namespace rubble::convert

@@ -52,6 +52,19 @@ struct MjcfSite {
   Pose pose;
 };
 
+/// Force of an actuator per unit gear: constant, by length and by speed.
+struct MjcfLaw {
+  double constant = 0, byLength = 0, bySpeed = 0;
+};
+/// The coordinate that an actuator acts on.
+struct MjcfTarget {
+  Coordinate* coordinate = nullptr;
+  std::optional<std::pair<int, int>> dof;  ///< of a joint
+  double gear = 1, length = 0;             ///< length: of the actuator at the beginning
+  double most = kHard;                     ///< largest force of all actuators of the joint
+  std::string what;                        ///< "joint 'knee'"
+};
+
 /// What surrounds an element of the tree of bodies.
 struct MjcfScope {
   int link = 0;
@@ -112,6 +125,9 @@ class MjcfReader {
   bool fieldShape(const Tag& tag, Geom& geom);
   Material materialOf(const Tag& tag);
 
+  // mjcf_flex.cpp
+  void readFlexcomp(const Tag& tag, const MjcfScope& scope);
+
   // mjcf_joints.cpp
   void readJoint(const Tag& tag, const MjcfScope& scope);
   std::optional<std::array<double, 2>> limitOf(const Tag& tag, const char* range, const char* limited);
@@ -123,14 +139,34 @@ class MjcfReader {
   void readEquality(pugi::xml_node node);
   void readLoop(const Tag& tag);
   void readCoupling(const Tag& tag);
+  /// A tendon that keeps its length.
+  void readTendonLock(const Tag& tag);
   int linkOf(const Tag& tag, const char* key) const;
+
+  // mjcf_tendons.cpp
+  void readTendon(const Tag& tag);
+  void readPath(const Tag& tag, Tendon& tendon);
+  void readSum(const Tag& tag, Tendon& tendon);
+  double lengthInFile(const Tendon& tendon) const;
+
+  // mjcf_inertia.cpp
+  /// Inertia that a coordinate sees in the pose of the file, with the armature: the diagonal of the mass
+  /// matrix [kg], [kg m2].
+  double inertiaSeen(const std::pair<int, int>& dof) const;
+  /// Springs and dampers that are given by time constant and damping ratio.
+  void finishSpringDampers();
 
   // mjcf_actuators.cpp
   void readActuator(const Tag& tag);
+  /// What an actuator acts on; nothing if that is not possible, which is reported.
+  std::optional<MjcfTarget> targetOf(const Tag& tag);
+  std::optional<MjcfLaw> lawOf(const Tag& tag, double control, double activation, const MjcfTarget& target);
+  std::optional<MjcfLaw> muscleLaw(const Tag& tag, double activation, const MjcfTarget& target);
 
   // mjcf_keyframes.cpp
   void readKeyframes(pugi::xml_node node);
   void applyKey(const Tag& tag);
+  void readSpeeds(const Tag& tag);
 
   Link& link(int i) { return model_.links[static_cast<std::size_t>(i)]; }
   Dof& dof(const std::pair<int, int>& at) { return link(at.first).dofs[static_cast<std::size_t>(at.second)]; }
@@ -149,9 +185,12 @@ class MjcfReader {
   std::vector<SolidSums> geomMass_;  ///< of each link: sum of its geoms, in the frame of the link
   std::vector<bool> hasInertial_;    ///< of each link
   std::map<std::pair<int, int>, double> actuatorForce_;  ///< limits by actuatorfrcrange [N], [N m]
-  std::vector<double> controls_;                         ///< of the keyframe
-  std::size_t actuators_ = 0;                            ///< read so far
-  std::size_t elements_ = 0;                             ///< of the tree of bodies, with repetitions
+  /// Time constant and damping ratio of joints [s], [1].
+  std::map<std::pair<int, int>, std::array<double, 2>> springDampers_;
+  std::map<std::string, std::size_t> tendonByName_;
+  std::vector<double> controls_, activations_;  ///< of the keyframe
+  std::size_t actuators_ = 0, activated_ = 0;   ///< read so far, and those with an activation
+  std::size_t elements_ = 0;                    ///< of the tree of bodies, with repetitions
   bool foundKey_ = false;
 };
 

@@ -1,4 +1,6 @@
 /// <contact> and <equality>: pairs that do not collide, loops, couplings.
+#include <algorithm>
+
 #include "convert/mjcf_reader.h"
 
 namespace rubble::convert {
@@ -32,7 +34,7 @@ Pose MjcfReader::referencePose(int at) const {
 void MjcfReader::readEquality(pugi::xml_node node) {
   for (const pugi::xml_node& child : source_.children(node)) {
     const std::string_view type = child.name();
-    if (type != "connect" && type != "weld" && type != "joint") continue;
+    if (type != "connect" && type != "weld" && type != "joint" && type != "tendon") continue;
     const Tag tag = tagOf(child);
     if (!tag.flag("active", true) || !compiler_.equality) {
       report_.note(Effect::None, tag.place(), "equality" + inQuotes(tag.name()), "it is not active");
@@ -40,6 +42,8 @@ void MjcfReader::readEquality(pugi::xml_node node) {
     }
     if (type == "joint")
       readCoupling(tag);
+    else if (type == "tendon")
+      readTendonLock(tag);
     else
       readLoop(tag);
   }
@@ -99,9 +103,8 @@ void MjcfReader::readCoupling(const Tag& tag) {
     report_.converted(tag.place(), tag.describe(), "locked joint" + inQuotes(own.name));
     return;
   }
-  if (terms[2] != 0 || terms[3] != 0 || terms[4] != 0)
-    report_.note(Effect::Lost, tag.place(), "equality.polycoef", "the terms of higher order");
-  model_.couplings.push_back({tag.name(), tag.place(), first, dofOf("joint2"), terms[1], terms[0]});
+  model_.couplings.push_back({tag.name(), tag.place(), first, dofOf("joint2"), {}});
+  std::copy(terms.begin(), terms.end(), model_.couplings.back().terms.begin());
 }
 
 }  // namespace rubble::convert

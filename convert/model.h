@@ -41,7 +41,7 @@ struct Geom {
   Contact contact;
 };
 
-/// A drive and passive spring of a degree of freedom, as sums over springs, dampers and actuators.
+/// A drive and passive spring of a coordinate, as sums over springs and actuators.
 struct DofDrive {
   double stiffness = 0;        ///< [N/m], [N m/rad]
   double stiffnessTarget = 0;  ///< sum of stiffness times rest coordinate, and of constant forces [N], [N m]
@@ -50,23 +50,32 @@ struct DofDrive {
   double maxForce = kHard;     ///< [N], [N m]
 };
 
+/// What acts on a coordinate: of a joint, or of a tendon.
+struct Coordinate {
+  /// Coordinates at most; ball: {0, largest angle} [m], [rad].
+  std::optional<std::array<double, 2>> range;
+  double limitStiffness = kHard;  ///< of the range [N/m], [N m/rad]
+  double friction = 0;            ///< [N], [N m]
+  DofDrive drive;
+  double armature = 0;    ///< [kg], [kg m2]
+  double damping = 0;     ///< viscous friction [N s/m], [N m s/rad]
+  double motorForce = 0;  ///< [N], [N m]
+};
+
 enum class DofType { Hinge, Slide, Ball };
 
 /// A joint of a link toward its parent. Several of one link act in their order, the first one next to the
 /// parent.
-struct Dof {
+struct Dof : Coordinate {
   DofType type = DofType::Hinge;
   std::string name;
   Place place;
   Vec3 axis{0, 0, 1};    ///< in the frame of the link; hinge, slide
   Vec3 anchor;           ///< in the frame of the link [m]; hinge, ball
   double reference = 0;  ///< coordinate of the pose in the file [m], [rad]
-  /// Coordinates at most; ball: {0, largest angle} [m], [rad].
-  std::optional<std::array<double, 2>> range;
-  double friction = 0;  ///< [N], [N m]
-  DofDrive drive;
-  double start = 0;  ///< coordinate at the beginning, relative to `reference` [m], [rad]
-  Quat startTurn;    ///< the same of a ball
+  double start = 0;      ///< coordinate at the beginning, relative to `reference` [m], [rad]
+  Quat startTurn;        ///< the same of a ball
+  Vec3 startSpeed;  ///< its rate: x of a hinge or slide, of a ball in the frame of the link [m/s], [rad/s]
 };
 
 struct Link {
@@ -82,6 +91,9 @@ struct Link {
   std::vector<Geom> geoms;
   std::vector<Dof> dofs;
   double gravityScale = 1;
+  Vec3 velocity;                  ///< at the beginning, of the center of mass of a free link [m/s]
+  Vec3 angularVelocity;           ///< the same, world axes [rad/s]
+  bool velocityOfOrigin = false;  ///< `velocity` is that of the origin of its frame
 
   bool moves() const { return free || kinematic || !dofs.empty(); }
 };
@@ -96,12 +108,44 @@ struct Loop {
   Quat orientationAtoB;           ///< weld: orientation of A seen from B
 };
 
-/// dofA = offset + ratio * dofB, both measured from the pose in the file.
+/// A joint between links that are placed by themselves. Anchors, frames and axes are those of `joint`, in the
+/// frames of the links; body A is the one that moves in body B.
+struct FreeJoint {
+  Place place;
+  int linkA = -1, linkB = -1;  ///< -1: the world
+  JointDef joint;
+};
+
+/// dofA = c_0 + c_1 q + c_2 q^2 + c_3 q^3 + c_4 q^4, q = dofB, both measured from the pose in the file.
 struct Coupling {
   std::string name;
   Place place;
   std::pair<int, int> dofA, dofB;  ///< link, index in its dofs
-  double ratio = 1, offset = 0;
+  std::array<double, 5> terms{0, 1, 0, 0, 0};
+};
+
+/// A length along a path, or a sum of coordinates.
+struct Tendon : Coordinate {
+  struct Point {
+    int link = -1;      ///< -1: the world
+    Vec3 at;            ///< in the frame of the link [m]
+    double weight = 1;  ///< of the segment to the next point; 0: none
+  };
+  struct Term {
+    std::pair<int, int> dof;  ///< link, index in its dofs
+    double coefficient = 1;
+  };
+  std::string name;
+  Place place;
+  std::vector<Point> path;
+  std::vector<Term> terms;
+};
+
+/// A deformable object, with its vertices in the world.
+struct SoftObject {
+  Place place;
+  Deformable object;
+  std::vector<std::pair<int, int>> pins;  ///< a vertex, and the link that holds it
 };
 
 struct Model {
@@ -110,6 +154,10 @@ struct Model {
   std::vector<Link> links;    ///< parents before children
   std::vector<Loop> loops;
   std::vector<Coupling> couplings;
+  std::vector<Tendon> tendons;
+  std::vector<FreeJoint> joints;
+  std::vector<SoftObject> objects;
+  std::optional<double> timeStep;               ///< that the model asks for [s]
   std::vector<std::pair<int, int>> exclusions;  ///< pairs of links (-1: the world)
   bool parentsCollide = false;                  ///< do links collide with their parents?
   bool staticParentsCollide = true;             ///< and with static ones?

@@ -8,9 +8,10 @@ namespace rubble::convert {
 /// A line of a model file.
 struct Place {
   std::string file;
-  int line = 0;  ///< from 1
+  int line = 0;  ///< from 1; 0: a file without lines
 
-  std::string text() const { return file + ":" + std::to_string(line); }
+  /// "robot.xml:12"; line 0: unknown.
+  std::string text() const { return line > 0 ? file + ":" + std::to_string(line) : file; }
 };
 
 /// Effect on the motion of what was not used as written.
@@ -39,7 +40,7 @@ struct Conversion {
 
 struct Report {
   std::string file;
-  std::string format;  ///< "MJCF" or "URDF"
+  std::string format;  ///< "MJCF", "URDF", "USD" or "glTF"
   std::vector<Conversion> conversions;
   std::vector<Note> notes;
 

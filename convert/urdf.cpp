@@ -250,10 +250,9 @@ class UrdfReader {
     const pugi::xml_node node = joint.child("dynamics");
     if (!node) return;
     const Tag tag(source_, node);
-    dof.drive.damping = tag.number("damping", 0);
+    dof.damping = tag.number("damping", 0);
     dof.friction = tag.number("friction", 0);
-    if (dof.drive.damping < 0)
-      tag.fail("damping", "a number of at least 0", std::to_string(dof.drive.damping));
+    if (dof.damping < 0) tag.fail("damping", "a number of at least 0", std::to_string(dof.damping));
     if (dof.friction < 0) tag.fail("friction", "a number of at least 0", std::to_string(dof.friction));
   }
 
@@ -271,8 +270,11 @@ class UrdfReader {
     const auto found = dofIndex_.find(other);
     if (found == dofIndex_.end()) tag.fail("joint", "the name of a joint that moves", "\"" + other + "\"");
     if (other == joint.name()) tag.fail("joint", "another joint", "itself");
-    model_.couplings.push_back({joint.name() + "_mimic", tag.place(), dofIndex_.at(joint.name()),
-                                found->second, tag.number("multiplier", 1), tag.number("offset", 0)});
+    model_.couplings.push_back({joint.name() + "_mimic",
+                                tag.place(),
+                                dofIndex_.at(joint.name()),
+                                found->second,
+                                {tag.number("offset", 0), tag.number("multiplier", 1), 0, 0, 0}});
   }
 
   Source& source_;

@@ -1,5 +1,6 @@
 #include "io/field_json.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -49,6 +50,12 @@ void readField(ObjectReader& object, const FieldInfo& field, bool& out) { object
 void readField(ObjectReader& object, const FieldInfo& field, Quat& out) {
   if (const auto found = object.get(field.key)) out = readOrientation(*found);
 }
+void readField(ObjectReader& object, const FieldInfo& field, std::vector<double>& out) {
+  const auto found = object.get(field.key);
+  if (!found) return;
+  out.clear();
+  for (const Node& node : found->elements("a list of numbers")) out.push_back(node.number().value_or(0));
+}
 
 Ordered fieldJson(const FieldInfo& field, double value) {
   return std::isinf(value) && field.rules.infinity ? Ordered(field.rules.infinity)
@@ -60,6 +67,7 @@ Ordered fieldJson(const FieldInfo& field, const Vec3& value) {
   return {v.x, v.y, v.z};
 }
 Ordered fieldJson(const FieldInfo&, const Quat& value) { return {value.s, value.v.x, value.v.y, value.v.z}; }
+Ordered fieldJson(const FieldInfo&, const std::vector<double>& value) { return value; }
 
 bool sameBits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
@@ -69,5 +77,10 @@ bool sameBits(const Vec3& a, const Vec3& b) {
   return sameBits(a.x, b.x) && sameBits(a.y, b.y) && sameBits(a.z, b.z);
 }
 bool sameBits(const Quat& a, const Quat& b) { return sameBits(a.s, b.s) && sameBits(a.v, b.v); }
+
+bool sameBits(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](double x, double y) { return sameBits(x, y); });
+}
 
 }  // namespace rubble::io

@@ -166,6 +166,7 @@ Event::Turn SceneReader::turn(const Node& node) {
     out.axis = found->whole(0, "the number of an axis, from 0").value_or(0);
   if (const auto found = object.get("target_position")) out.targetPosition = found->number();
   if (const auto found = object.get("target_speed")) out.targetSpeed = found->number();
+  if (const auto found = object.get("motor_force")) out.motorForce = found->number();
   if (const auto found = object.get("length")) out.length = found->number();
   if (const auto found = object.get("drag_to")) out.dragTo = found->vector();
   object.finish();

@@ -151,6 +151,7 @@ Json SceneWriter::event(const Event& event) const {
     if (turn.axis != 0) entry["axis"] = turn.axis;
     if (turn.targetPosition) entry["target_position"] = *turn.targetPosition;
     if (turn.targetSpeed) entry["target_speed"] = *turn.targetSpeed;
+    if (turn.motorForce) entry["motor_force"] = *turn.motorForce;
     if (turn.length) entry["length"] = *turn.length;
     if (turn.dragTo) entry["drag_to"] = vectorJson(*turn.dragTo);
     json["set_joint"].push_back(std::move(entry));

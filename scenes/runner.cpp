@@ -51,6 +51,7 @@ void apply(World& world, const Event& event) {
     const JointId id = world.findJoint(turn.joint);
     if (turn.targetPosition) world.setTargetPosition(id, turn.axis, *turn.targetPosition);
     if (turn.targetSpeed) world.setTargetSpeed(id, turn.axis, *turn.targetSpeed);
+    if (turn.motorForce) world.setMotorForce(id, turn.axis, *turn.motorForce);
     if (turn.length) world.setLength(id, *turn.length);
     if (turn.dragTo) world.setDragTarget(id, *turn.dragTo);
   }

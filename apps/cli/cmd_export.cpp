@@ -127,9 +127,9 @@ void addExport(CLI::App& app, int& status) {
   convert::ExportOptions& options = command->options;
   CLI::App* sub = app.add_subcommand(
       "export", "Write a trajectory or scene for other programs: USD, glTF, OBJ, CSV, NumPy");
-  sub->add_option(
-         "scene", command->job.scene,
-         "A trajectory (.rubble), or a scene to run: a name, a file (.json) or a model (.xml, .urdf)")
+  sub->add_option("scene", command->job.scene,
+                  "A trajectory (.rubble), or a scene to run: a name, a file (.json) or a model (.xml, "
+                  ".urdf, .usd, .glb)")
       ->required();
   sub->add_option(
          "-o,--output", command->out,

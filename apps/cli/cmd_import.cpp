@@ -58,14 +58,17 @@ int importRobot(const ImportCommand& command) {
   if (command.output.view) return viewJob(job);
   return command.output.run ? runJob(job) : kHolds;
 }
+/// glTF files may hold a mesh or a model.
+bool isModel(const std::string& file) { return convert::isModelFile(file); }
 #else
+bool isModel(const std::string&) { return false; }
 int importRobot(const ImportCommand&) {
   throw Error("import", "a build with pugixml (Debian: apt-get install libpugixml-dev)", "one without");
 }
 #endif
 
 int import(ImportCommand& command) {
-  if (!convert::isMeshFile(command.job.scene)) return importRobot(command);
+  if (!convert::isMeshFile(command.job.scene) || isModel(command.job.scene)) return importRobot(command);
   if (!command.jsonFile.empty() || command.strict)
     throw Error("--json, --strict", "a robot model, which has a report of its elements", command.job.scene);
   const std::vector<std::string>& kinds = convert::meshKinds();
@@ -80,10 +83,11 @@ int import(ImportCommand& command) {
 void addImport(CLI::App& app, int& status) {
   auto command = std::make_shared<ImportCommand>();
   CLI::App* sub = app.add_subcommand(
-      "import", "Make a scene of a robot model (MJCF, URDF) or a mesh, and report what is in it");
-  sub->add_option("file", command->job.scene,
-                  "A model: MJCF (.xml) or URDF (.urdf), or a mesh: .obj, .stl, .ply, .msh; with assimp also "
-                  ".dae, .gltf")
+      "import", "Make a scene of a model (MJCF, URDF, USD, glTF) or a mesh, and report what is in it");
+  sub->add_option(
+         "file", command->job.scene,
+         "A model: MJCF (.xml), URDF (.urdf), USD (.usda, .usdc), glTF with physics, or a mesh: .obj, .stl, "
+         ".ply, .msh; with assimp also .dae, .gltf")
       ->required();
   addSceneOutput(*sub, command->output);
   sub->add_option("--json", command->jsonFile, "Write the report as JSON; '-' is standard output")

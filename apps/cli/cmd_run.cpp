@@ -65,9 +65,9 @@ void addRun(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand("run",
                                          "Run a scene, report times and quality, and judge its verdict");
   command
-      ->add_option(
-          "scene", options->job.scene,
-          "Name of a scene (see 'rubble info scenes'), a scene file (.json) or a model (.xml, .urdf)")
+      ->add_option("scene", options->job.scene,
+                   "Name of a scene (see 'rubble info scenes'), a scene file (.json) or a model (.xml, "
+                   ".urdf, .usd, .glb)")
       ->required();
   addArgumentOptions(*command, options->job);
   addSolverOptions(*command, options->job);

@@ -86,8 +86,9 @@ int viewJob(const JobOptions& job) {
 void addView(CLI::App& app, int& status) {
   auto command = std::make_shared<ViewCommand>();
   CLI::App* sub = app.add_subcommand("view", "Open a window on a running scene; ? shows the keys");
-  sub->add_option("scene", command->job.scene,
-                  "Name of a scene, a scene file (.json) a model (.xml, .urdf) or a trajectory (.rubble)")
+  sub->add_option(
+         "scene", command->job.scene,
+         "Name of a scene, a scene file (.json) a model (.xml, .urdf, .usd, .glb) or a trajectory (.rubble)")
       ->required();
   sub->add_option("--size", command->size, "Size of the window in pixels")
       ->type_name("WxH")

@@ -182,7 +182,8 @@ std::pair<std::string, double> parseAssignment(const std::string& text, const st
 
 bool isModelFile(const std::string& scene) {
   const std::string ending = std::filesystem::path(scene).extension().string();
-  return ending == ".xml" || ending == ".mjcf" || ending == ".urdf" || ending == ".xacro";
+  const auto endings = {".xml", ".mjcf", ".urdf", ".xacro", ".usd", ".usda", ".usdc", ".gltf", ".glb"};
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
 
 bool isSceneFile(const std::string& scene) {

@@ -62,7 +62,7 @@ scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& ar
 /// with room for rubble if it is smashed.
 scenes::Camera cameraShowing(const Scene& scene, const Vec3& direction, bool smashed);
 
-/// Does this name a model that has to be imported (.xml, .mjcf, .urdf, .xacro)?
+/// Does this name a model that has to be imported (MJCF, URDF, USD, or glTF with physics)?
 bool isModelFile(const std::string& scene);
 
 /// Does this name a file rather than a scene of the registry?

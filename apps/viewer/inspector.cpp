@@ -147,6 +147,9 @@ void fieldRow(const FieldInfo& field, bool value) {
 }
 void fieldRow(const FieldInfo& field, const Vec3& value) { row(field.key, field.unit, value, field.doc); }
 void fieldRow(const FieldInfo& field, const Quat& value) { turnRow(field.key, value, field.doc); }
+void fieldRow(const FieldInfo& field, const std::vector<double>& value) {
+  row(field.key, std::to_string(value.size()) + " numbers", field.doc);
+}
 
 void drawJoint(UiState& uiState, World& world, JointId id) {
   const JointDef& def = world.definition(id);
@@ -174,6 +177,7 @@ void drawJoint(UiState& uiState, World& world, JointId id) {
     row("  limit force", "N, N m", axis.limitForce);
     row("  drive force", "N, N m", axis.driveForce);
     row("  friction force", "N, N m", axis.frictionForce);
+    row("  motor force", "N, N m", axis.motorForce);
   }
   if (!ImGui::CollapsingHeader("As authored", ImGuiTreeNodeFlags_DefaultOpen)) return;
   const JointKind& kind = kindOf(def.type);

@@ -194,6 +194,11 @@ struct JointAxis {
   double driveDamping = 0;
   double maxDriveForce = kHard;  ///< largest force of the drive
   double friction = 0;           ///< dry friction, largest force
+  /// Inertia of the motor, as it acts on the coordinate: rotor inertia times gear ratio squared [kg], [kg
+  /// m2].
+  double armature = 0;
+  double damping = 0;     ///< viscous friction, not bounded by maxDriveForce [N s/m], [N m s/rad]
+  double motorForce = 0;  ///< a plain force, positive where it raises the coordinate [N], [N m]
 };
 
 /// A joint between two bodies, or between a body and the world. Each body has a joint frame: an anchor and x,
@@ -242,6 +247,19 @@ struct JointDef {
   std::any own;                       ///< fields of a joint type that has no members here (docs/extending.md)
 };
 
+/// JointDef::own of a joint of type "tendon": its coordinate is a length over points of up to four bodies,
+/// plus polynomials c_1 q + c_2 q^2 + c_3 q^3 + c_4 q^4 of coordinates between them. Limits, drive, friction
+/// and motor are those of axes[0]. Sides 0 to 3 are body A, body B, and the frame bodies of A and of B.
+struct TendonFields {
+  /// Five numbers for each point: side, x, y, z in the frame of its body [m], and the weight of the segment
+  /// to the next point [1]; a segment of weight 0 does not count.
+  std::vector<double> path;
+  /// Thirteen numbers for each term: 0 for a turn and 1 for a travel, the side that moves, the side that it
+  /// moves in, the axis and the anchor in the frame of the body that moves, and c_1 to c_4. q is 0 where the
+  /// bodies are when the joint is made.
+  std::vector<double> terms;
+};
+
 /// Keyword of a joint type in scene files: "swing_twist".
 const char* keyword(JointType type);
 /// The joint type of a keyword. Types without an enumerator are found by it too. Throws Error if there is
@@ -281,6 +299,7 @@ struct Event {
     std::optional<double> targetSpeed;     ///< [m/s], [rad/s]
     std::optional<double> length;          ///< distance, rope, spring, pulley [m]
     std::optional<Vec3> dragTo;            ///< drag: world [m]
+    std::optional<double> motorForce;      ///< [N], [N m]
   };
   std::vector<Turn> setJoint;
 };

@@ -45,6 +45,7 @@ struct JointAxisState {
   double limitForce = 0;  ///< [N], [N m]
   double driveForce = 0;
   double frictionForce = 0;
+  double motorForce = 0;  ///< of armature, damping and JointAxis::motorForce
 };
 
 /// State of a joint after the last step.
@@ -248,6 +249,7 @@ class World {
   /// Sets the drive of an axis. Throws Error if the joint does not have that axis.
   void setTargetPosition(JointId id, int axis, double position);  ///< [m], [rad]
   void setTargetSpeed(JointId id, int axis, double speed);        ///< [m/s], [rad/s]
+  void setMotorForce(JointId id, int axis, double force);         ///< JointAxis::motorForce [N], [N m]
   void setLimits(JointId id, int axis, double min, double max);
   void setLength(JointId id, double length);                      ///< distance, rope, spring, pulley [m]
   void setDriveOrientation(JointId id, const Quat& orientation);  ///< swing-twist

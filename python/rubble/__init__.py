@@ -11,7 +11,8 @@
 Units are SI. Quaternions have the scalar first and rotate from body to world. Frames are right-handed, and no
 axis is built in as up. Definitions have the keys of scene files.
 """
-from typing import Any
+import os
+from typing import Any, Union
 
 from ._arrays import Array, DeviceArray
 from ._bodies import Bodies, Body, ContactLoad
@@ -35,6 +36,13 @@ def info() -> dict[str, Any]:
     return json_of(lib.rb_info)
 
 
+def load(file: Union[str, os.PathLike[str]], **options: Any) -> Scene:
+    """A scene of a scene file (.json), or of a model of another program: see `Scene.from_model`."""
+    if os.fspath(file).endswith(".json"):
+        return Scene.load(file)
+    return Scene.from_model(file, **options)
+
+
 __version__: str = info()["version"]
 __all__ = [
     "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim", "ContactLoad",
@@ -42,7 +50,7 @@ __all__ = [
     "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording", "Rod", "Run", "Scene",
     "SceneInfo", "Snapshot",
     "StepReport", "Surface", "Verdict", "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet",
-    "compound", "cone", "cylinder", "distance_field", "height_field", "hull", "info", "mass_of", "mesh",
+    "compound", "cone", "cylinder", "distance_field", "height_field", "hull", "info", "load", "mass_of", "mesh",
     "plane", "save_png", "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",
 ]
 for _name in __all__:  # tracebacks and help() name them as users do

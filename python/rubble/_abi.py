@@ -276,6 +276,7 @@ FUNCTIONS = {
     "rb_scene_create": (c_int, [c_char_p, c_void_p]),
     "rb_scene_parse": (c_int, [c_char_p, c_char_p, c_void_p]),
     "rb_scene_read": (c_int, [c_char_p, c_void_p]),
+    "rb_scene_import": (c_int, [c_char_p, c_char_p, c_void_p, c_void_p]),
     "rb_scene_build": (c_int, [c_char_p, c_char_p, c_void_p]),
     "rb_scene_destroy": (None, [c_void_p]),
     "rb_scene_set": (c_int, [c_void_p, c_char_p, c_char_p]),

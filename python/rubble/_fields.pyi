@@ -55,6 +55,9 @@ class AxisFields(TypedDict, total=False):
     drive_damping: Hard
     max_drive_force: Hard
     friction: float
+    armature: float  # [kg] or [kg m2]
+    damping: float
+    motor_force: float
 
 class JointValues(TypedDict, total=False):
     name: str

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import os
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Sequence, Union
 
@@ -14,6 +15,10 @@ if TYPE_CHECKING:
     from ._fields import BodyOptions, DeformableFields, RodFields, SceneAttachmentFields, SceneJointFields
 
 Definition = dict[str, Any]
+
+
+def _import(file: bytes, options: bytes, report: Any, pointer: Any) -> int:
+    return lib.rb_scene_import(file, options, pointer, ctypes.byref(report))
 
 
 class Rod(NamedTuple):
@@ -37,6 +42,9 @@ class Scene:
         values: Other keys of a scene: name, description, steps, iterations, dt, camera.
     """
 
+    #: What became of each element of the model that the scene was imported from; empty for other scenes.
+    report: Definition = {}
+
     def __init__(self, *, gravity: Sequence[float] = (0, 0, -9.81), folder: str = "", **values: Any) -> None:
         self._own(Handle(lib.rb_scene_create, lib.rb_scene_destroy, folder.encode()))
         self.set(gravity=gravity, **values)
@@ -58,6 +66,19 @@ class Scene:
     def load(cls, file: Union[str, os.PathLike[str]]) -> "Scene":
         """Reads a scene file. The error of an invalid one lists every fault."""
         return cls._of(lib.rb_scene_read, os.fsencode(file))
+
+    @classmethod
+    def from_model(cls, file: Union[str, os.PathLike[str]], *, strict: bool = False,
+                   **options: Any) -> "Scene":
+        """A scene of a model (MJCF, URDF, USD, glTF with physics), with the report of its import in `report`.
+
+        strict: refuse a model of which anything is lost or approximate. Options: ``key`` (keyframe of MJCF),
+        ``srdf``, ``packages`` (folders by name), ``folders`` (further ones), ``floating_base``.
+        """
+        report = ctypes.c_char_p()
+        scene = cls._of(_import, os.fsencode(file), encode({"strict": strict, **options}), report)
+        scene.report = json.loads(report.value or b"{}")
+        return scene
 
     @classmethod
     def from_json(cls, json: Union[str, Definition], folder: str = "") -> "Scene":

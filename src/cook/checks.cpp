@@ -110,6 +110,10 @@ void field(const FieldInfo& info, const Quat& value, const Path& path) {
   unit(value, path + ("." + std::string(info.name())));
 }
 
+void field(const FieldInfo& info, const std::vector<double>& value, const Path& path) {
+  finite(value, path + ("." + std::string(info.name())));
+}
+
 void failEnumeration(long long value, long long last, const Path& path) {
   throw Error(path, "one of an enumeration, 0 to " + std::to_string(last), std::to_string(value));
 }

@@ -3,6 +3,7 @@
 /// actual value.
 #include <span>
 #include <string>
+#include <vector>
 
 #include <rubble/error.h>
 #include <rubble/material.h>
@@ -38,6 +39,7 @@ void field(const FieldInfo& info, double value, const Path& path);
 void field(const FieldInfo& info, const Vec3& value, const Path& path);
 void field(const FieldInfo& info, const Quat& value, const Path& path);
 inline void field(const FieldInfo&, bool, const Path&) {}
+void field(const FieldInfo& info, const std::vector<double>& value, const Path& path);
 
 [[noreturn]] void failEnumeration(long long value, long long last, const Path& path);
 /// An enumerator from 0 to `last`.

@@ -1,13 +1,14 @@
 #pragma once
-/// A scalar coordinate c(x) of a joint (an angle, a travel or a length) and its up to three rows. They share
+/// A scalar coordinate c(x) of a joint (an angle, a travel or a length) and its up to four rows. They share
 /// one Jacobian.
 ///
 ///   limit     c in [lo, hi]; lo = hi: locked. Hard, or with stiffness and damper
 ///   drive     toward a position and a speed, by stiffness and damper (either may be hard), with a largest
 ///             force
 ///   friction  against any motion, up to a bound
+///   rotor     inertia I and viscous damping D of what turns with the coordinate, and an applied force T
 ///
-/// Each row has the force of an interval [l, h]; for drive and friction l = h:
+/// Each of the first three rows has the force of an interval [l, h]; for drive and friction l = h:
 ///
 ///   F = s (k (c - h) + lambda) if that is above 0,  s (k (c - l) + lambda) if that is below 0,  else 0;
 ///   cut to [-bound, bound]
@@ -15,6 +16,10 @@
 /// This is the force of the augmented Lagrangian of l <= c <= h. At most one of the two conditions holds,
 /// since l <= h. A damper D and a stiffness K form one finite row: K_tot = K + D / dt, and the error is C - w
 /// C(x^t) with w = (D / dt) / K_tot. [N, N m]
+///
+/// The rotor row is linear: I c'' + D c' - T by implicit Euler, without multiplier or bound.
+///
+///   F = (I / dt^2 + D / dt) (c - c(x^t)) - I / dt c'(x^t) - T
 #include "solver/row.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -40,6 +45,9 @@ struct AxisSpec {
   Real driveStiffness, driveDamping;
   Real driveBound;  ///< largest force of the drive [N, N m]
   Real friction;    ///< largest friction force [N, N m]
+  Real armature;    ///< I [kg, kg m2]
+  Real damping;     ///< D [N s/m, N m s/rad]
+  Real force;       ///< T [N, N m]
 };
 
 /// One row of a coordinate: persistent state (lambda, k) and the data of a step.
@@ -54,8 +62,16 @@ struct AxisRow {
 
 inline constexpr int kWatched = 2;
 
+/// The rotor row: F = k (c - origin) + load.
+struct RotorRow {
+  Real k, origin, load;
+  Real force;  ///< F after the last dual update [N, N m]
+  int active;  ///< 0, 1
+};
+
 struct alignas(4 * sizeof(Real)) AxisRows {
   AxisRow limit, drive, friction;
+  RotorRow rotor;
   Real start, length;  ///< k_start, and the length scale of the growth of k (1 for angles)
   Real beforeImpact;   ///< multiplier of the limit before an impact, for the warm start after it
   int impact;          ///< 1: the limit has an impact in this step
@@ -81,6 +97,8 @@ RUBBLE_HD inline Real axisForce(const AxisRow& row, Real c, Real& force, Real& h
   return error;
 }
 
+RUBBLE_HD inline Real rotorForce(const RotorRow& row, Real c) { return row.k * (c - row.origin) + row.load; }
+
 /// Sums of forces and Hessian stiffnesses of the active rows.
 RUBBLE_HD inline void axisForces(const AxisRows& rows, Real c, Real& force, Real& hessian) {
   force = hessian = Real(0);
@@ -92,11 +110,12 @@ RUBBLE_HD inline void axisForces(const AxisRows& rows, Real c, Real& force, Real
     hessian += k;
   };
   add(rows.limit), add(rows.drive), add(rows.friction);
+  if (rows.rotor.active) force += rotorForce(rows.rotor, c), hessian += rows.rotor.k;
 }
 RUBBLE_HD inline bool actsAtAll(const AxisRows& rows) {
-  return rows.limit.active || rows.drive.active || rows.friction.active;
+  return rows.limit.active || rows.drive.active || rows.friction.active || rows.rotor.active;
 }
-/// Total force of the rows after the last dual update.
+/// Total force of the rows that hold or resist, after the last dual update.
 RUBBLE_HD inline Real axisLoad(const AxisRows& rows) {
   return (rows.limit.active ? rows.limit.lambda : Real(0)) +
          (rows.drive.active ? rows.drive.lambda : Real(0)) +
@@ -122,6 +141,7 @@ RUBBLE_HD inline void updateAxis(const StepConstants& c, AxisRows& rows, Real va
   updateAxisRow(c, rows, rows.limit, value);
   updateAxisRow(c, rows, rows.drive, value);
   updateAxisRow(c, rows, rows.friction, value);
+  rows.rotor.force = rows.rotor.active ? rotorForce(rows.rotor, value) : Real(0);
 }
 
 /// Input of beginAxis.
@@ -129,6 +149,7 @@ struct AxisSituation {
   Real value;    ///< c(x^t), within one revolution
   Real turn;     ///< full revolutions to add to it
   Real change;   ///< change of c in this step without any row, to first order
+  Real speed;    ///< c'(x^t) [m/s, rad/s]
   Real inertia;  ///< row inertia
   Real length;   ///< characteristic length [m]; 1 for angles
   Real reach;    ///< speed of a point per unit speed of c [1, m]
@@ -225,12 +246,17 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
   } else {
     rest(rows.friction);
   }
+
+  const Real inertia = spec.armature * c.inverseDt, k = (inertia + spec.damping) * c.inverseDt;
+  const bool turns = k > Real(0) || spec.force != Real(0);
+  rows.rotor = {k, at.value, -(inertia * at.speed + spec.force), Real(0), turns};
 }
 
 /// Deactivates all rows of a part in this step.
 RUBBLE_HD inline void restPart(AxisRows& rows) {
   for (AxisRow* row : {&rows.limit, &rows.drive, &rows.friction})
     row->active = false, row->lambda = 0, row->k = 0;
+  rows.rotor = {};
   rows.impact = false;
 }
 

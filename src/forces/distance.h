@@ -35,7 +35,8 @@ struct DistanceJoint {
   RUBBLE_HD static Real keptLength(const AxisSpec& axis) {
     const bool driven = axis.driveStiffness > Real(0) || axis.driveDamping > Real(0),
                limited = axis.lo > -kNoLimit || axis.hi < kNoLimit;
-    if (axis.friction > Real(0) || driven == limited) return kNoLimit;
+    const bool turns = axis.armature > Real(0) || axis.damping > Real(0) || axis.force != Real(0);
+    if (axis.friction > Real(0) || turns || driven == limited) return kNoLimit;
     if (limited) return axis.lo > -kNoLimit && axis.lo != axis.hi ? kNoLimit : axis.hi;
     return axis.driveStiffness > Real(0) && axis.speed == Real(0) ? axis.target : kNoLimit;
   }

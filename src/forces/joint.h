@@ -29,6 +29,7 @@
 
 #include "forces/axis.h"
 #include "forces/contact.h"
+#include "forces/joint_body.h"
 #include "forces/joint_build.h"
 #include "solver/dual.h"
 
@@ -90,8 +91,8 @@ template <class F> constexpr bool isPivot() {
 template <class F, class P> constexpr bool isAngular() {
   return P::kUnit == RowUnit::Angular && !hasFrameBodies<F>();
 }
-/// Number of force laws of such a part: limit, drive and friction for an axis, else one.
-template <class F, class P> constexpr int angularLaws() { return !isAngular<F, P>() ? 0 : P::kAxis ? 3 : 1; }
+/// Number of force laws of such a part: limit, drive, friction and rotor for an axis, else one.
+template <class F, class P> constexpr int angularLaws() { return !isAngular<F, P>() ? 0 : P::kAxis ? 4 : 1; }
 /// Number of force laws of the parts of F before part I; without I, of all parts.
 template <class F, int I = F::Parts::kCount> constexpr int firstAngularLaw() {
   int laws = 0, part = 0;
@@ -233,41 +234,6 @@ RUBBLE_HD Vec6 curvatureOf(const JointSpec<F>& spec, const Joint<F>& joint, cons
   return sum;
 }
 
-/// What a joint reads of one of its bodies at the start of a step.
-struct JointBody {
-  Real mass;     ///< 0: not dynamic [kg]
-  Vec3 inertia;  ///< principal moments [kg m2]
-  Vec6 change;   ///< motion in this step without joints, to first order [m, rad]
-};
-
-/// Row inertia of a group: mass [kg], or moment of inertia including the lever [kg m2].
-RUBBLE_HD inline Real rowInertia(const JointBody& body, RowUnit unit, Real lever2) {
-  if (unit == RowUnit::Linear) return body.mass;
-  return min(min(body.inertia.x, body.inertia.y), body.inertia.z) + body.mass * lever2 / 3;
-}
-/// Row inertia of a coordinate with Jacobian j: m / |j|^2, or the moment of inertia about its axis, including
-/// the lever r of the joint.
-RUBBLE_HD inline Real axisInertia(const JointBody& body, const Quat& q, const Vec6& j, const Vec3& r) {
-  const Real l2 = lengthSquared(j.lin), a2 = lengthSquared(j.ang);
-  if (l2 > Real(0)) return body.mass / l2;
-  if (!(a2 > Real(0))) return rowInertia(body, RowUnit::Angular, lengthSquared(r));
-  const Vec3 local = rotateInverse(q, j.ang);
-  return (dot(local, mul(body.inertia, local)) / a2 + body.mass * lengthSquared(cross(j.ang, r)) / a2) / a2;
-}
-
-template <class D> RUBBLE_HD Vec3 leverOf(const D& d, const Quat& q, int side) {
-  if constexpr (requires { d.anchorA; })
-    return rotate(q, side == 0 ? d.anchorA : d.anchorB);
-  else
-    return {0, 0, 0};
-}
-
-/// The smaller of the inertias of the two dynamic bodies.
-template <class Of> RUBBLE_HD Real lighter(const JointBody& a, const JointBody& b, Of&& of) {
-  const Real ia = a.mass > Real(0) ? of(a, 0) : Real(0), ib = b.mass > Real(0) ? of(b, 1) : Real(0);
-  return ia > Real(0) && ib > Real(0) ? min(ia, ib) : max(ia, ib);
-}
-
 template <class P, class F>
 RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint,
                          const GroupSpec& own, GroupRows<P::kRows>& rows, const SidePose<F>& a,
@@ -323,6 +289,7 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
   if constexpr (requires { P::turns(spec.data, joint.memory); })
     at.turn = static_cast<Real>(P::turns(spec.data, joint.memory));
   at.change = dot(ja[0], bodies[0].change) + dot(jb[0], bodies[1].change);
+  at.speed = dot(ja[0], bodies[0].velocity) + dot(jb[0], bodies[1].velocity);
   at.inertia = lighter(bodies[0], bodies[1], [&](const JointBody& body, int side) {
     const Quat& q = side == 0 ? a.q : b.q;
     return axisInertia(body, q, side == 0 ? ja[0] : jb[0], leverOf(spec.data, q, side));
@@ -333,6 +300,7 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
       Vec6 j[1];
       jacobianOf<P>(spec, joint, a, b, side, j);
       at.change += dot(j[0], bodies[side].change);
+      at.speed += dot(j[0], bodies[side].velocity);
       // the Jacobian of a frame body may vanish, as for wheels that counter-rotate
       const Real arm = P::kUnit == RowUnit::Linear ? joint.length : Real(1);
       if (!(lengthSquared(j[0].lin) + lengthSquared(j[0].ang) / (arm * arm) > Real(1e-8))) continue;
@@ -373,8 +341,8 @@ template <class F> RUBBLE_HD int actingRows(const JointSpec<F>& spec, const Join
     constexpr int kFirst = angularBit(firstAngularLaw<F, I>());
     if (I == 0) acting |= partActs<P>(partOf<I>(spec.parts), rows);
     if constexpr (isAngular<F, P>() && P::kAxis) {
-      const AxisRow* const laws[] = {&rows.limit, &rows.drive, &rows.friction};
-      for (int k = 0; k < angularLaws<F, P>(); ++k) acting |= (laws[k]->active != 0) << (kFirst + k);
+      const int laws[] = {rows.limit.active, rows.drive.active, rows.friction.active, rows.rotor.active};
+      for (int k = 0; k < angularLaws<F, P>(); ++k) acting |= (laws[k] != 0) << (kFirst + k);
     } else if constexpr (isAngular<F, P>()) {
       acting |= partActs<P>(partOf<I>(spec.parts), rows) << kFirst;
     }

@@ -55,7 +55,12 @@ RUBBLE_HD bool linearizeAngularRow(const JointSpec<F>& spec, const Joint<F>& joi
   Real error[P::kRows], force[P::kRows], hessian;
   partErrors<P>(spec, joint, rows, a, b, error);
   if constexpr (P::kAxis) {
-    const AxisRow& own = k == 0 ? rows.limit : k == 1 ? rows.drive : rows.friction;
+    const RotorRow& rotor = rows.rotor;
+    const AxisRow own = k == 0   ? rows.limit
+                        : k == 1 ? rows.drive
+                        : k == 2
+                            ? rows.friction
+                            : AxisRow{rotor.load, rotor.k, rotor.origin, rotor.origin, 0, kHardValue, 1, 0};
     axisForce(own, error[0], force[0], hessian);
     out.lambda[0] = own.lambda, out.lambda[1] = out.lambda[2] = 0;
     out.k = own.k, out.compliance = own.keepsMultiplier ? own.compliance : Real(0), out.bound = own.bound;

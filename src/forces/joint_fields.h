@@ -68,6 +68,12 @@ inline constexpr std::tuple kAxisFields{
     field("drive_damping", "N s/m, N m s/rad", "towards the target speed; 0: none; hard: a motor",
           &JointAxis::driveDamping, kDrives),
     field("max_drive_force", "N, N m", "largest force of the drive", &JointAxis::maxDriveForce, kDrives),
-    field("friction", "N, N m", "resists any motion, up to this", &JointAxis::friction, kNotNegative)};
+    field("friction", "N, N m", "resists any motion, up to this", &JointAxis::friction, kNotNegative),
+    field("armature", "kg, kg m2", "inertia of the motor, as it acts on the axis", &JointAxis::armature,
+          kNotNegative),
+    field("damping", "N s/m, N m s/rad", "viscous friction, without a bound", &JointAxis::damping,
+          kNotNegative),
+    field("motor_force", "N, N m", "of the motor, positive where it raises the coordinate",
+          &JointAxis::motorForce)};
 
 }  // namespace rubble

@@ -1,6 +1,6 @@
 #pragma once
 /// A joint between World and the tables: what its definition becomes, in double precision. Host only.
-#include <array>
+#include <cstddef>
 #include <cstring>
 #include <type_traits>
 #include <vector>
@@ -24,20 +24,19 @@ struct EngineGroup {
 class JointConstants {
  public:
   template <class T> void set(const T& constants) {
-    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= sizeof(values_));
+    static_assert(std::is_trivially_copyable_v<T>);
+    values_.resize(sizeof(T));
     std::memcpy(values_.data(), &constants, sizeof(T));
-    isSet_ = true;
   }
   /// The defaults of T if nothing was set.
   template <class T> T get() const {
-    T constants;
-    if (isSet_) std::memcpy(static_cast<void*>(&constants), values_.data(), sizeof(T));
+    T constants{};
+    if (values_.size() == sizeof(T)) std::memcpy(static_cast<void*>(&constants), values_.data(), sizeof(T));
     return constants;
   }
 
  private:
-  std::array<double, 12> values_{};
-  bool isSet_ = false;
+  std::vector<std::byte> values_;
 };
 
 /// A joint between body slots (kWorld: the world). Groups and axes are those of its parts, in their order.
@@ -62,7 +61,12 @@ struct JointBodyState {
   Quat orientation;
   MassProperties mass;
 
+  Vec3 center = {};  ///< of mass, in the authored frame [m]
+  Quat axes = {};    ///< engine frame -> authored frame
+
   Vec3 point(const Vec3& local) const;  ///< in the world [m]
+  /// A point of the authored frame in the engine frame, which `position` and `orientation` are of.
+  Vec3 inEngineFrame(const Vec3& authored) const { return rotateInverse(axes, authored - center); }
 };
 struct JointBodies {
   JointBodyState a, b;

@@ -101,6 +101,10 @@ RUBBLE_HD void addTreeAxis(const StepConstants& c, const AxisRows& rows, Real va
   add(rows.limit, true, TreeTake::Limit);
   add(rows.drive, true, TreeTake::Drive);
   add(rows.friction, false, TreeTake::Nothing);
+  if (rows.rotor.active) {
+    const Real f = rotorForce(rows.rotor, value);
+    own += f, force += f, hessian += rows.rotor.k;
+  }
   if (force != Real(0) || hessian > Real(0))
     out.add(static_cast<double>(force), static_cast<double>(hessian), TreeTake::Nothing);
 }

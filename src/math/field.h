@@ -73,8 +73,9 @@ template <class Owner> const Owner& ownIn(const std::any& own) {
 
 /// A field of an Object without the type of its value.
 template <class Object> struct AnyField : FieldInfo {
-  using Place = std::variant<double*, bool*, Vec3*, Quat*>;
-  using ConstPlace = std::variant<const double*, const bool*, const Vec3*, const Quat*>;
+  using Place = std::variant<double*, bool*, Vec3*, Quat*, std::vector<double>*>;
+  using ConstPlace = std::variant<const double*, const bool*, const Vec3*, const Quat*,
+                                  const std::vector<double>*>;
   Place (*edit)(Object&);
   ConstPlace (*read)(const Object&);
 

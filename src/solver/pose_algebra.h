@@ -16,6 +16,10 @@ using Pose = PoseT<Real>;
 template <class L> struct Vec6T {
   Vec3T<L> lin, ang;
   RUBBLE_HD friend Vec6T operator-(const Vec6T& a) { return {-a.lin, -a.ang}; }
+  RUBBLE_HD friend Vec6T& operator+=(Vec6T& a, const Vec6T& b) {
+    a.lin += b.lin, a.ang += b.ang;
+    return a;
+  }
   RUBBLE_HD friend Vec6T operator*(L s, const Vec6T& a) { return {s * a.lin, s * a.ang}; }
 };
 using Vec6 = Vec6T<Real>;

@@ -24,6 +24,7 @@ AxisSpec specOf(const JointAxis& in) {
   out.driveStiffness = finite(in.driveStiffness), out.driveDamping = finite(in.driveDamping);
   out.driveBound = finite(in.maxDriveForce);
   out.friction = finite(in.friction);
+  out.armature = finite(in.armature), out.damping = finite(in.damping), out.force = finite(in.motorForce);
   return out;
 }
 
@@ -67,6 +68,7 @@ template <class F> void measureJoint(const SolverData& s, int slot, JointState& 
       const auto of = [](const AxisRow& row) { return row.active ? -static_cast<double>(row.lambda) : 0.0; };
       axis.limitForce = of(rows.limit), axis.driveForce = of(rows.drive),
       axis.frictionForce = of(rows.friction);
+      axis.motorForce = -static_cast<double>(rows.rotor.force);
       const double out = excess(own, axis.position);
       error2 += out * out;
       state.axes.push_back(axis);

@@ -148,7 +148,9 @@ JointBodies World::Impl::jointBodies(const JointRecord& joint) const {
   const auto of = [&](BodyId id) {
     if (id.index < 0) return JointBodyState{};
     const BodyState state = bodyState(id);
-    return JointBodyState{state.position, state.orientation, registry.bodies[id].mass};
+    const ShapeFrame& frame = registry.bodies[id].frame;
+    return JointBodyState{state.position, state.orientation, registry.bodies[id].mass, frame.center,
+                          frame.axes};
   };
   return {of(joint.a), of(joint.b), of(joint.frameBodyA), of(joint.frameBodyB)};
 }

@@ -70,6 +70,10 @@ void World::setTargetSpeed(JointId id, int axis, double speed) {
   withMemory("setTargetSpeed",
              [&] { impl_->editAxis(id, axis, [&](JointAxis& a) { a.targetSpeed = speed; }); });
 }
+void World::setMotorForce(JointId id, int axis, double force) {
+  withMemory("setMotorForce",
+             [&] { impl_->editAxis(id, axis, [&](JointAxis& a) { a.motorForce = force; }); });
+}
 void World::setLimits(JointId id, int axis, double min, double max) {
   withMemory("setLimits", [&] {
     impl_->requireAlive(id);

@@ -151,7 +151,8 @@ TEST(Mjcf, APositionActuatorIsADriveOfItsJoint) {
            "<actuator><position joint='j' kp='10' kv='2' gear='3' forcerange='-5 5'/></actuator>"));
   const JointAxis& axis = jointNamed(model, "j").axes[0];
   EXPECT_DOUBLE_EQ(axis.driveStiffness, 90);
-  EXPECT_DOUBLE_EQ(axis.driveDamping, 19);
+  EXPECT_DOUBLE_EQ(axis.driveDamping, 18);
+  EXPECT_DOUBLE_EQ(axis.damping, 1);
   EXPECT_DOUBLE_EQ(axis.maxDriveForce, 15);
 }
 
@@ -173,12 +174,12 @@ TEST(Mjcf, AKeyframeIsTheStartOfTheScene) {
 
 TEST(Mjcf, TheReportTellsWhatIsLostWithItsLine) {
   const Import model = importText(
-      mjcf("\n<body><joint name='j' armature='1'/>\n<geom size='1' shade='red' rgba='1 0 0 1'/>"
-           "<flexcomp/></body>"));
-  EXPECT_EQ(effectsOf(model, "joint.armature"), std::vector{Effect::Lost});
+      mjcf("\n<body><joint name='j' springyield='1'/>\n<geom size='1' shade='red' rgba='1 0 0 1'/>"
+           "<composite/></body>"));
+  EXPECT_EQ(effectsOf(model, "joint.springyield"), std::vector{Effect::Lost});
   EXPECT_EQ(effectsOf(model, "geom.shade"), std::vector{Effect::Lost});
   EXPECT_EQ(effectsOf(model, "geom.rgba"), std::vector{Effect::None});
-  EXPECT_EQ(effectsOf(model, "flexcomp"), std::vector{Effect::Lost});
+  EXPECT_EQ(effectsOf(model, "composite"), std::vector{Effect::Lost});
   for (const convert::Note& note : model.report.notes)
     if (note.what == "geom.shade") {
       EXPECT_EQ(note.place.line, 3);
@@ -187,10 +188,98 @@ TEST(Mjcf, TheReportTellsWhatIsLostWithItsLine) {
   EXPECT_FALSE(model.report.exact());
 }
 
-TEST(Mjcf, AMotorIsReportedBecauseADriveHasNoPlainForce) {
-  const Import model = importText(mjcf("<body><joint name='j'/><geom size='1'/></body>",
-                                       "<actuator><motor name='m' joint='j'/></actuator>"));
-  EXPECT_EQ(effectsOf(model, "motor 'm'"), std::vector{Effect::Lost});
+TEST(Mjcf, AMotorIsAPlainForceWithinItsRange) {
+  convert::ImportOptions options;
+  options.key = "0";
+  const Import model = importText(mjcf("<body><joint name='j' armature='.2'/><geom size='1'/></body>",
+                                       "<actuator><motor joint='j' gear='-4' ctrlrange='-1 2'/><motor "
+                                       "joint='j' forcerange='-.5 .5'/></actuator>"
+                                       "<keyframe><key ctrl='9 3'/></keyframe>"),
+                                  "model.xml", options);
+  const JointAxis& axis = jointNamed(model, "j").axes[0];
+  EXPECT_DOUBLE_EQ(axis.motorForce, -8 + .5);
+  EXPECT_DOUBLE_EQ(axis.armature, .2);
+  EXPECT_TRUE(model.report.exact()) << convert::textOf(model.report, true);
+}
+
+TEST(Mjcf, ActuatorsOfEveryLinearKindAreDrivesOrMotors) {
+  const auto axisWith = [](const std::string& actuator) {
+    convert::ImportOptions options;
+    options.key = "0";
+    const Import model = importText(
+        mjcf("<body><joint name='j' type='slide'/><geom size='1' mass='3'/></body>",
+             "<actuator>" + actuator + "</actuator><keyframe><key ctrl='2' act='.5'/></keyframe>"),
+        "model.xml", options);
+    return jointNamed(model, "j").axes[0];
+  };
+  EXPECT_DOUBLE_EQ(axisWith("<velocity joint='j' kv='4'/>").targetSpeed, 2);
+  EXPECT_DOUBLE_EQ(axisWith("<damper joint='j' kv='4' ctrlrange='0 9'/>").driveDamping, 8);
+  EXPECT_DOUBLE_EQ(axisWith("<intvelocity joint='j' kp='4' actrange='-1 1'/>").targetPosition, .5);
+  EXPECT_DOUBLE_EQ(axisWith("<cylinder joint='j' area='3'/>").motorForce, 6);
+  EXPECT_DOUBLE_EQ(axisWith("<general joint='j' gaintype='affine' gainprm='1 0 -5' biastype='affine' "
+                            "biasprm='0 -7 0'/>")
+                       .driveDamping,
+                   10);
+  // c = 2 zeta sqrt(k m)
+  EXPECT_DOUBLE_EQ(axisWith("<position joint='j' kp='12' dampratio='.5'/>").driveDamping, 6);
+}
+
+TEST(Mjcf, AKeyframeGivesVelocitiesOfTheWholeTree) {
+  convert::ImportOptions options;
+  options.key = "0";
+  const Import model = importText(
+      mjcf("<body name='a'><joint name='i' axis='0 0 1'/><geom size='.1' pos='1 0 0'/>"
+           "<body name='b' pos='2 0 0'><joint name='j' type='slide' axis='0 1 0'/><geom "
+           "size='.1'/></body></body>",
+           "<keyframe><key qvel='3 5'/></keyframe>"),
+      "model.xml", options);
+  expectNear(bodyNamed(model, "a").velocity, {0, 3, 0});
+  expectNear(bodyNamed(model, "b").velocity, {0, 6 + 5, 0});
+  expectNear(bodyNamed(model, "b").angularVelocity, {0, 0, 3});
+}
+
+TEST(Mjcf, CouplingsOfSlidesAndPolynomialsAreTendons) {
+  const Import model = importText(
+      mjcf("<body name='a'><joint name='x' type='slide' axis='1 0 0'/><geom size='.1'/></body>"
+           "<body name='b' pos='1 0 0'><joint name='y' type='slide' axis='0 1 0'/><geom size='.1'/></body>",
+           "<equality><joint name='e' joint1='x' joint2='y' polycoef='.1 -1 2'/></equality>"));
+  const JointDef& joint = jointNamed(model, "e");
+  EXPECT_EQ(joint.type, jointType("tendon"));
+  const auto fields = std::any_cast<TendonFields>(joint.own);
+  ASSERT_EQ(fields.terms.size(), 26u);
+  EXPECT_DOUBLE_EQ(fields.terms[9], 1);
+  EXPECT_DOUBLE_EQ(fields.terms[13 + 9], 1);
+  EXPECT_DOUBLE_EQ(fields.terms[13 + 10], -2);
+  EXPECT_DOUBLE_EQ(joint.axes[0].min, .1);
+}
+
+TEST(Mjcf, ASpatialTendonHasItsLimitsSpringAndMotor) {
+  const Import model = importText(mjcf(
+      "<site name='s' pos='0 0 2'/><body name='a'><joint name='j'/><geom size='.1' pos='0 0 -1'/>"
+      "<site name='t' pos='0 0 -1'/></body>",
+      "<tendon><spatial name='rope' range='0 4' stiffness='20' damping='3'><site site='s'/><site site='t'/>"
+      "</spatial></tendon><actuator><motor tendon='rope' gear='2'/></actuator>"));
+  const JointDef& joint = jointNamed(model, "rope");
+  EXPECT_DOUBLE_EQ(joint.axes[0].max, 4);
+  EXPECT_DOUBLE_EQ(joint.axes[0].driveStiffness, 20);
+  EXPECT_DOUBLE_EQ(joint.axes[0].targetPosition, 3);  // the length in the file
+  EXPECT_DOUBLE_EQ(joint.axes[0].damping, 3);
+}
+
+TEST(Mjcf, FlexcompsAreCablesClothAndSolidsOfTheirMass) {
+  for (const int dimension : {1, 2, 3}) {
+    const std::string count = dimension == 1 ? "5 1 1" : dimension == 2 ? "5 4 1" : "5 4 3";
+    const Import model = importText(mjcf("<flexcomp name='f' type='grid' dim='" + std::to_string(dimension) +
+                                         "' count='" + count +
+                                         "' spacing='.1 .1 .1' mass='2' pos='0 0 1' radius='.01'><pin id='0 "
+                                         "1'/><elasticity young='1e5'/></flexcomp>"));
+    ASSERT_EQ(model.file.scene.deformables.size(), 1u);
+    const Deformable& object = model.file.scene.deformables[0];
+    EXPECT_EQ(object.index(), dimension == 1 ? 2u : dimension == 2 ? 1u : 0u);
+    EXPECT_EQ(common(object).fixed, (std::vector{0, 1}));
+    EXPECT_EQ(common(object).vertices.size(), dimension == 1 ? 5u : dimension == 2 ? 20u : 60u);
+    expectNear(common(object).vertices[0], {-.2, dimension > 1 ? -.15 : 0, dimension > 2 ? .9 : 1});
+  }
 }
 
 TEST(Mjcf, AModelThatIsUsedInFullIsExact) {

@@ -2,6 +2,7 @@
 
 usage: oracle.py RUBBLE [MODEL...]"""
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -155,10 +156,18 @@ def compare_joints(model, data, scene, name):
             check(f"{name} range: {label}", ends, model.jnt_range[index] - reference)
         dof = model.jnt_dofadr[index]
         check(f"{name} friction: {label}", axis.get("friction", 0), model.dof_frictionloss[dof])
-        if not any(model.actuator_trnid[i, 0] == index for i in range(model.nu)):
-            damping, stiffness = np.ravel(model.dof_damping[dof])[0], np.ravel(model.jnt_stiffness[index])[0]
-            check(f"{name} damping: {label}", axis.get("drive_damping", 0), damping)
-            check(f"{name} stiffness: {label}", axis.get("drive_stiffness", 0), stiffness)
+        check(f"{name} damping: {label}", axis.get("damping", 0), np.ravel(model.dof_damping[dof])[0])
+        check(f"{name} armature: {label}", axis.get("armature", 0), model.dof_armature[dof])
+        stiffness, damping, motor = np.ravel(model.jnt_stiffness[index])[0], 0.0, 0.0
+        for i in range(model.nu):
+            if model.actuator_trntype[i] != mujoco.mjtTrn.mjTRN_JOINT or model.actuator_trnid[i, 0] != index:
+                continue
+            gear, bias = model.actuator_gear[i, 0], model.actuator_biasprm[i]
+            stiffness, damping = stiffness - gear ** 2 * bias[1], damping - gear ** 2 * bias[2]
+            motor += gear * bias[0] if bias[1] == 0 and bias[2] == 0 else 0
+        check(f"{name} stiffness: {label}", axis.get("drive_stiffness", 0), stiffness, 1 + stiffness)
+        check(f"{name} drive damping: {label}", axis.get("drive_damping", 0), damping, 1 + damping)
+        check(f"{name} motor: {label}", axis.get("motor_force", 0), motor * sign, 1 + abs(motor))
 
 
 def parts_of(body):
@@ -231,16 +240,42 @@ def compare(rubble, file, folder):
     compare_geoms(model, data, scene, name)
 
 
-def positions(rubble, scene, bodies, steps, dt, folder):
+def positions(rubble, scene, bodies, steps, dt, folder, iterations="8"):
     """Positions of the bodies after so many steps."""
     axes = ("x_m", "y_m", "z_m")
     scene["verdict"] = [{"metric": f"{body}.{axis}", "min": -1e9} for body in bodies for axis in axes]
     file = folder / "moment.json"
     file.write_text(json.dumps(scene))
     record = json.loads(run(rubble, "run", file, "--backend", "reference", "--steps", steps, "--dt", dt,
-                            "-q", "--json", "-"))
+                            "--iterations", iterations, "-q", "--json", "-"))
     metrics = {claim["metric"]: claim["value"] for claim in record["verdict"]["claims"]}
     return np.array([[metrics[f"{body}.{axis}"] for axis in axes] for body in bodies])
+
+
+def compare_push(rubble, name, impulse, folder):
+    """Does a standing robot fall after an impulse on all of its bodies [N s], as MuJoCo's does?"""
+    file, settled, end = MODELS / (name + ".xml"), 2.0, 5.0
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    change = np.array([*impulse, 0]) / model.body_mass.sum()
+    while data.time < settled:
+        mujoco.mj_step(model, data)
+    stood = data.qpos[2]
+    data.qvel[:3] += change
+    while data.time < end:
+        mujoco.mj_step(model, data)
+    theirs = data.qpos[2] / stood
+    scene = import_scene(rubble, file, folder, "--key", "stand")
+    moving = [b["name"] for b in scene["bodies"] if b.get("motion", "dynamic") == "dynamic" and "mass" in b]
+    dt, root = model.opt.timestep, model.body(1).name
+    before = positions(rubble, scene, [root], round(settled / dt), dt, folder, "4")[0, 2]
+    scene["events"] = [{"step": round(settled / dt),
+                        "set_velocity": [{"body": body, "velocity": change.tolist()} for body in moving]}]
+    own = positions(rubble, scene, [root], round(end / dt), dt, folder, "4")[0, 2] / before
+    print(f"oracle: {name} pushed by {impulse} N s: at {own:.2f} of its height here, {theirs:.2f} in MuJoCo")
+    if (own > 0.95) != (theirs > 0.95):
+        problems.append(f"{name} pushed by {impulse}: {own:.2f} of its height here, {theirs:.2f} in MuJoCo")
 
 
 def compare_motion(rubble, name, bodies, size, folder):
@@ -264,10 +299,11 @@ def compare_motion(rubble, name, bodies, size, folder):
 
 
 def main():
-    rubble = sys.argv[1]
+    rubble = str(pathlib.Path(sys.argv[1]).resolve())
     files = [pathlib.Path(f).resolve() for f in sys.argv[2:]]
     with tempfile.TemporaryDirectory() as path:
         folder = pathlib.Path(path)
+        os.chdir(folder)  # MuJoCo logs into the present one
         for file in files or sorted(MODELS.glob("*.xml")) + sorted(MODELS.glob("*.urdf")):
             if not file.stem.endswith("_part"):
                 compare(rubble, file, folder)
@@ -277,6 +313,13 @@ def main():
             compare_motion(rubble, "two_hinges", ["bob"], 0.7, folder)
             compare_motion(rubble, "reach", ["bob", "tip"], 1.0, folder)
             compare_motion(rubble, "fourbar", ["crank", "coupler", "rocker"], 0.8, folder)
+            compare_motion(rubble, "armature_pendulum", ["upper", "lower"], 0.9, folder)
+            compare_motion(rubble, "geared", ["slow", "fast", "rod", "cam"], 0.5, folder)
+            compare_motion(rubble, "finger", ["proximal", "middle", "distal"], 0.11, folder)
+            compare_motion(rubble, "cable", ["link2", "link6", "link11"], 0.96, folder)
+            for impulse in ([50, 0], [0, 50], [10, 0], [0, 10]):
+                compare_push(rubble, "standing_humanoid", impulse, folder)
+                compare_push(rubble, "standing_quadruped", impulse, folder)
     for problem in problems:
         print("oracle:", problem)
     print(f"oracle: {sum(counts.values())} numbers compared, {len(problems)} problems")

@@ -33,7 +33,7 @@ TEST(Urdf, ARevoluteJointIsAHingeWithLimitsInRadians) {
   EXPECT_EQ(joint.type, JointType::Hinge);
   EXPECT_DOUBLE_EQ(joint.axes[0].min, -1);
   EXPECT_DOUBLE_EQ(joint.axes[0].max, 2);
-  EXPECT_DOUBLE_EQ(joint.axes[0].driveDamping, .5);
+  EXPECT_DOUBLE_EQ(joint.axes[0].damping, .5);
   EXPECT_DOUBLE_EQ(joint.axes[0].friction, .2);
   EXPECT_NEAR(rotate(joint.frameB, Vec3{1, 0, 0}).y, 1, 1e-12);
   EXPECT_EQ(joint.bodyB, kWorld);

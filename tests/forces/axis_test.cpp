@@ -11,7 +11,7 @@ StepConstants constants() {
   return c;
 }
 AxisSpec nothing() { return {-kNoLimit, kNoLimit, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0}; }
-AxisSituation at(Real value, Real change = 0) { return {value, 0, change, 1, 1, 1, kHardValue, 1}; }
+AxisSituation at(Real value, Real change = 0) { return {value, 0, change, 0, 1, 1, 1, kHardValue, 1}; }
 
 /// Dual updates at a fixed coordinate until the force is settled.
 Real settled(const StepConstants& c, AxisRows& rows, Real value, int updates = 400) {
@@ -177,6 +177,25 @@ TEST(Axis, CountsTurnsOutOfItsLimits) {
   Real force, hessian;
   axisForces(rows, -2.4, force, hessian);
   EXPECT_GT(force, 0);
+}
+
+TEST(Axis, RotorIsAnInertiaADamperAndAForceByImplicitEuler) {
+  const StepConstants c = constants();
+  AxisSpec spec = nothing();
+  spec.armature = .3, spec.damping = .7, spec.force = 2;
+  AxisRows rows{};
+  AxisSituation s = at(.4);
+  s.speed = 1.5;
+  beginAxis(c, spec, rows, s);
+  EXPECT_TRUE(actsAtAll(rows));
+  const Real value = .43, speed = (value - .4) * c.inverseDt;
+  Real force, hessian;
+  axisForces(rows, value, force, hessian);
+  EXPECT_NEAR(force, .3 * (speed - 1.5) * c.inverseDt + .7 * speed - 2, 1e-9);
+  EXPECT_NEAR(hessian, (.3 * c.inverseDt + .7) * c.inverseDt, 1e-9);
+  updateAxis(c, rows, value);
+  EXPECT_DOUBLE_EQ(rows.rotor.force, force);
+  EXPECT_EQ(axisLoad(rows), 0);
 }
 
 }  // namespace

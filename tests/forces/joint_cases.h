@@ -54,6 +54,18 @@ template <class F> JointCase<F> randomJointCase(test::Random& random) {
   if constexpr (requires { d.pointA; }) d.pointA = random.vector(3);
   if constexpr (requires { d.pointB; }) d.pointB = random.vector(3);
   if constexpr (requires { d.direction; }) d.direction = random.direction();
+  if constexpr (requires { d.term; }) {
+    d.points = 5, d.terms = 2;
+    for (int i = 0; i < d.points; ++i)
+      d.point[i] = {random.vector(), i == 3 ? Real(0) : random.uniform(.3, 1.5), i * 7 % 4};
+    for (int k = 0; k < d.terms; ++k) {
+      auto& term = d.term[k];
+      term.travels = k, term.body = k, term.frameBody = 3 - k;
+      term.base = random.rotation(), term.begin = random.vector(), term.anchor = random.vector();
+      term.frame = frameNear(random, poseOf(x, term.frameBody).q * term.base, poseOf(x, term.body).q);
+      for (Real& c : term.c) c = random.uniform(-.5, .5);
+    }
+  }
   if constexpr (requires { d.ratio; }) d.ratio = random.uniform(.5, 3);
   x.memory.remember(d, x.a, x.b, {});
   if constexpr (requires { x.memory.start; }) x.memory.start = random.rotationUpTo(.4) * x.memory.start;

@@ -180,7 +180,7 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
     joint.length = 1;
     JointBody bodies[kSides<F>];
     for (int side = 0; side < kSides<F>; ++side)
-      bodies[side] = side == 0 ? JointBody{2, {.1, .2, .3}, {}} : JointBody{20, {1, 2, 3}, {}};
+      bodies[side] = side == 0 ? JointBody{2, {.1, .2, .3}, {}, {}} : JointBody{20, {1, 2, 3}, {}, {}};
     beginJoint(c, spec, joint, x.a, x.b, bodies);
     // after a dual update the multipliers are the forces; with k = 0 the blocks hold them alone
     updateJointDuals(c, spec, joint, x.a, x.b);
@@ -215,7 +215,7 @@ template <class F> struct LoadedJoint {
   LoadedJoint(const JointCase<F>& x, Random& random) : spec(specOf<F>(x.data)) {
     StepConstants c = testConstants();
     joint.length = 1, joint.memory = x.memory;
-    const JointBody bodies[kSides<F>] = {{1, {.1, .1, .1}, {}}, {1, {.1, .1, .1}, {}}};
+    const JointBody bodies[kSides<F>] = {{1, {.1, .1, .1}, {}, {}}, {1, {.1, .1, .1}, {}, {}}};
     beginJoint(c, spec, joint, x.a, x.b, bodies);
     forEachPart<F>([&]<int I, class P>() {
       auto& rows = partOf<I>(joint.parts);

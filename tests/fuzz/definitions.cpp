@@ -100,6 +100,8 @@ JointAxis axis(ByteSource& in) {
     out.maxDriveForce = in.flag() ? in.ratio(.1, 1e4) : kHard;
   }
   if (in.flag()) out.friction = in.ratio(.01, 100);
+  if (in.seldom()) out.armature = in.ratio(1e-4, 10), out.damping = in.between(0, 10);
+  if (in.seldom()) out.motorForce = in.between(-10, 10);
   return out;
 }
 

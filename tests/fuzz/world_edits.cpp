@@ -118,6 +118,7 @@ void WorldScript::changeJoint() {
     case 1:
       return world_.setTargetPosition(id, in_.below(6), 1);
     case 2:
+      if (in_.flag()) return world_.setMotorForce(id, in_.below(6), in_.between(-5, 5));
       return world_.setTargetSpeed(id, in_.below(6), 5);
     case 3:
       return world_.setLength(id, in_.between(-.5, 2));

@@ -66,6 +66,12 @@ void expectSame(const JointDef& a, const JointDef& b) {
   expectSame(a.frameA, b.frameA);
   expectSame(a.frameB, b.frameB);
   expectSame(a.driveOrientation, b.driveOrientation);
+  EXPECT_EQ(a.own.has_value(), b.own.has_value());
+  if (const auto* own = std::any_cast<TendonFields>(&a.own)) {
+    const auto& other = std::any_cast<const TendonFields&>(b.own);
+    EXPECT_EQ(own->path, other.path);
+    EXPECT_EQ(own->terms, other.terms);
+  }
   expectSame(a.pulleyA, b.pulleyA);
   expectSame(a.pulleyB, b.pulleyB);
   for (const auto member :
@@ -78,7 +84,8 @@ void expectSame(const JointDef& a, const JointDef& b) {
     for (const auto member :
          {&JointAxis::min, &JointAxis::max, &JointAxis::limitStiffness, &JointAxis::limitDamping,
           &JointAxis::targetPosition, &JointAxis::targetSpeed, &JointAxis::driveStiffness,
-          &JointAxis::driveDamping, &JointAxis::maxDriveForce, &JointAxis::friction})
+          &JointAxis::driveDamping, &JointAxis::maxDriveForce, &JointAxis::friction, &JointAxis::armature,
+          &JointAxis::damping, &JointAxis::motorForce})
       expectSame(a.axes[i].*member, b.axes[i].*member);
 }
 
@@ -246,7 +253,13 @@ TEST(SceneRoundTrip, EverythingIsExact) {
   gear.frameBodyB = 0;
   gear.frameA = normalize(Quat{.4, -.2, .3, .1});
   gear.ratio = -2.5;
-  scene.joints = {ball, fixed, six, pulley, shoulder, gear};
+  JointDef tendon;
+  tendon.type = jointType("tendon");
+  tendon.bodyA = 1, tendon.bodyB = 2, tendon.frameBodyA = 0;
+  tendon.own = TendonFields{{0, .1, 1. / 3, 0, 1, 2, 0, 0, 2, 0},
+                            {0, 1, 2, 0, 0, 1, 0, .2, 0, 1, .5, 0, -.1}};
+  tendon.axes[0].armature = .1, tendon.axes[0].damping = .2, tendon.axes[0].motorForce = -3;
+  scene.joints = {ball, fixed, six, pulley, shoulder, gear, tendon};
   BodyDef ball2;
   ball2.name = "ball";
   ball2.shape = Shape::sphere(.1);

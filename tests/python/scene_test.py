@@ -59,6 +59,18 @@ class Scenes(Case):
         scene.add_body("ball", material="ice")
         self.assertEqual(rubble.World(scene).bodies[0].definition["material"]["friction"], 0.01)
 
+    def test_a_model_of_another_program_is_loaded_with_its_report(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "arm.xml")
+            with open(file, "w", encoding="utf-8") as out:
+                out.write("<mujoco><worldbody><body name='arm'><joint name='j' armature='0.5' springyield='1'/>"
+                          "<geom size='0.1'/></body></worldbody></mujoco>")
+            scene = rubble.load(file)
+            self.assertEqual(scene.to_dict()["joints"][0]["axes"][0]["armature"], 0.5)
+            self.assertEqual(scene.report["counts"]["lost"], 1)
+            with self.assertRaises(rubble.Error):
+                rubble.load(file, strict=True)
+
     def test_a_rod_is_bodies_and_joints(self):
         scene = rubble.Scene()
         rod = scene.add_rod([(0, 0, 1), (1, 0, 1), (2, 0, 1)], radius=0.02, start="world", name="rod")

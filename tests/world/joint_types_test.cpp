@@ -60,6 +60,57 @@ TEST(Hinge, CountsTurnsBeyondPiAndStopsAtALimitOfTwoTurns) {
   EXPECT_NEAR(world.state(only(world)).axes[0].position, 4 * std::numbers::pi, .05);
 }
 
+/// A cube of 1 kg on a hinge through its center, with a motor of 2 N m, armature 0.5 kg m2 and damping
+/// 0.4 N m s/rad: its speed follows T / D (1 - exp(-D t / (I + I_a))).
+TEST(Hinge, TurnsAsTheInertiaOfItsBodyAndTheArmatureOfItsMotorSay) {
+  for (const char* backend : {"reference", "cpu"}) {
+    SCOPED_TRACE(backend);
+    Scene scene = cube({});
+    JointDef hinge = jointAt(scene, JointType::Hinge, 0, kWorld, {}, frameAlong(kY));
+    hinge.axes[0].armature = .5, hinge.axes[0].damping = .4, hinge.axes[0].motorForce = 2;
+    scene.joints.push_back(hinge);
+    World world(scene, options(4, backend));
+    const double inertia = 1. / 6 + .5, dt = world.params().dt;
+    for (int k = 1; k <= 3; ++k) {
+      test::run(world, 60);
+      // implicit Euler
+      const double expected = 2 / .4 * (1 - std::pow(1 + .4 * dt / inertia, -60. * k));
+      EXPECT_NEAR(world.state(only(world)).axes[0].speed, expected, 1e-3 * expected);
+    }
+    world.setMotorForce(only(world), 0, 0);
+    const double before = world.state(only(world)).axes[0].speed;
+    test::run(world, 60);
+    EXPECT_NEAR(world.state(only(world)).axes[0].speed, before * std::pow(1 + .4 * dt / inertia, -60.),
+                1e-3 * before);
+  }
+}
+
+/// A tendon over a point of the world holds two bodies of one mass, of which one hangs on two of its strands:
+/// accelerations follow from the tension, a_A = T / m - g and a_B = 2 T / m - g with a_A = -2 a_B.
+TEST(Tendon, SharesOneTensionAmongItsSegments) {
+  Scene scene = test::emptyScene({0, 0, -10});
+  scene.bodies.push_back(test::unitCube({0, 0, 0}));
+  scene.bodies.push_back(test::unitCube({4, 0, 0}));
+  JointDef tendon;
+  tendon.type = jointType("tendon");
+  tendon.bodyA = 0, tendon.bodyB = 1;
+  TendonFields path;
+  path.path = {0, 0,   0, .5, 1, 2, 0,  0, 20, 1, 2, 3.9, 0, 20, 1,
+               1, -.1, 0, .5, 1, 1, .1, 0, .5, 1, 2, 4.1, 0, 20, 0};
+  tendon.own = path;
+  // length now: 19.5 + sqrt(3.9^2) + 2 strands
+  tendon.axes[0].max = 19.5 + 3.9 + 2 * 19.5 + .2;
+  scene.joints.push_back(tendon);
+  World world(scene, options(20, "reference"));
+  constexpr int kSteps = 30;
+  test::run(world, kSteps);
+  const double t = kSteps * world.params().dt, a = world.state(world.bodies()[0]).velocity.z / t,
+               b = world.state(world.bodies()[1]).velocity.z / t;
+  EXPECT_NEAR(b, 2, .04);  // T = 6 N
+  EXPECT_NEAR(a, -4, .08);
+  EXPECT_LT(world.state(world.joints()[0]).gap, 1e-3);
+}
+
 TEST(Hinge, RestsOnASoftLimitByHookesLaw) {
   Scene scene = cube();
   // a cube of 1 kg, its center 0.5 m from the hinge, falls onto a limit of 40 N m/rad

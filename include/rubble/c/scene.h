@@ -21,6 +21,11 @@ RB_API rb_status rb_scene_create(const char* folder, rb_scene** scene);
 RB_API rb_status rb_scene_parse(const char* json, const char* folder, rb_scene** scene);
 /// A scene from a JSON file.
 RB_API rb_status rb_scene_read(const char* file, rb_scene** scene);
+/// Imports a model: MJCF, URDF, USD, or glTF with physics. `options`: JSON with any of "strict" (refuse what
+/// is not exact), "key" (keyframe of MJCF), "srdf", "packages" (object of folders by name), "folders" (list)
+/// and "floating_base"; or NULL. `report`: JSON of what became of each element; NULL if it is not wanted.
+RB_API rb_status rb_scene_import(const char* file, const char* options, rb_scene** scene,
+                                 const char** report);
 /// A scene of the registry. `arguments`: JSON object with numbers, or null.
 RB_API rb_status rb_scene_build(const char* name, const char* arguments, rb_scene** scene);
 RB_API void rb_scene_destroy(rb_scene* scene);

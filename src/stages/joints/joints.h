@@ -13,12 +13,13 @@ template <class F> RUBBLE_HD bool active(const SolverData& s, int i) {
 }
 
 RUBBLE_HD inline JointBody jointBody(const SolverData& s, int body) {
-  if (body == kWorldBody) return {0, {0, 0, 0}, {{0, 0, 0}, {0, 0, 0}}};
+  if (body == kWorldBody) return {};
   const BodyParams& p = s.params[body];
   const bool dynamic = p.kind == BodyKind::Dynamic;
   Vec3 way = s.step->dt * s.velocity[body];
   if (dynamic) way += (s.step->dt * s.step->dt) * (p.gravityScale * s.stepOf(body).gravity);
-  return {dynamic ? p.mass : Real(0), p.inertia, {way, s.step->dt * s.angularVelocity[body]}};
+  const Vec6 velocity{s.velocity[body], s.angularVelocity[body]};
+  return {dynamic ? p.mass : Real(0), p.inertia, {way, s.step->dt * velocity.ang}, velocity};
 }
 
 /// Pose of a body at x^t, in the frame of a joint.

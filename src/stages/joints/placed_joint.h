@@ -65,7 +65,7 @@ template <class F> struct PlacedJoint {
       Vec6 j[P::kRows];
       P::jacobian(spec.data, memory, a, b, 1, j);
       if constexpr (P::kAxis)
-        add(axisLoad(rows), j[0]);
+        add(axisLoad(rows) + rows.rotor.force, j[0]);
       else if (partOf<I>(spec.parts).mode != GroupMode::Off)
         for (int i = 0; i < P::kRows; ++i) add(rows.lambda[i], j[i]);
     });

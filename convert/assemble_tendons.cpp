@@ -1,0 +1,135 @@
+/// Tendons, and couplings of coordinates that no gear or rack can be. A joint of type tendon has four sides:
+/// two bodies, and two frame bodies, each of which may be the world.
+#include <algorithm>
+#include <cmath>
+
+#include "convert/assemble.h"
+
+namespace rubble::convert {
+namespace {
+
+class TendonBuilder {
+ public:
+  TendonBuilder(const Model& model, const Layout& layout) : model_(model), layout_(layout) {}
+
+  void addPoint(const Tendon::Point& point) {
+    const Vec3 at = poseInBody(layout_, point.link) * point.at;
+    path_.push_back({bodyIndex(layout_, point.link), at, point.weight});
+  }
+  /// f(q) = sum c_i q^i, q measured from the beginning.
+  void addTerm(const std::pair<int, int>& at, const std::array<double, 4>& c) {
+    const Link& link = model_.links[static_cast<std::size_t>(at.first)];
+    const Dof& dof = link.dofs[static_cast<std::size_t>(at.second)];
+    terms_.push_back({bodyIndex(layout_, at.first), bodyIndex(layout_, link.parent), &dof, c});
+  }
+
+  /// Why it cannot be a joint; empty if it can.
+  std::string build(JointDef& out) {
+    if (path_.size() > kMostPoints) return "a path of more than 8 points";
+    if (terms_.size() > kMostTerms) return "a sum of more than three joints";
+    for (const Point& point : path_) sideOf(point.body);
+    for (const Term& term : terms_) sideOf(term.body), sideOf(term.frame);
+    if (sides_.size() > 4 || bodies_ > 4 || bodies_ == 0) return "its bodies are not one to four";
+    // A is a body; the world is a frame body
+    std::stable_partition(sides_.begin(), sides_.end(), [](int body) { return body != kWorld; });
+    sides_.resize(4, kWorld);
+    if (sides_[1] == kWorld && bodies_ == 1) std::fill(sides_.begin() + 1, sides_.end(), kWorld);
+    out.type = jointType("tendon");
+    out.bodyA = sides_[0], out.bodyB = sides_[1];
+    out.frameBodyA = sides_[2], out.frameBodyB = sides_[3];
+    out.collide = true;
+    TendonFields fields;
+    for (const Point& p : path_)
+      fields.path.insert(fields.path.end(), {number(p.body), p.at.x, p.at.y, p.at.z, p.weight});
+    for (const Term& term : terms_) {
+      const Dof& dof = *term.dof;
+      fields.terms.insert(fields.terms.end(),
+                          {dof.type == DofType::Slide ? 1. : 0., number(term.body), number(term.frame),
+                           dof.axis.x, dof.axis.y, dof.axis.z, dof.anchor.x, dof.anchor.y, dof.anchor.z,
+                           term.c[0], term.c[1], term.c[2], term.c[3]});
+    }
+    out.own = fields;
+    return "";
+  }
+
+ private:
+  static constexpr std::size_t kMostPoints = 8, kMostTerms = 3;
+  struct Point {
+    int body;
+    Vec3 at;
+    double weight;
+  };
+  struct Term {
+    int body, frame;
+    const Dof* dof;
+    std::array<double, 4> c;
+  };
+
+  void sideOf(int body) {
+    if (std::find(sides_.begin(), sides_.end(), body) != sides_.end()) return;
+    sides_.push_back(body);
+    bodies_ += body != kWorld;
+  }
+  double number(int body) const {
+    return static_cast<double>(std::find(sides_.begin(), sides_.end(), body) - sides_.begin());
+  }
+
+  const Model& model_;
+  const Layout& layout_;
+  std::vector<Point> path_;
+  std::vector<Term> terms_;
+  std::vector<int> sides_;
+  int bodies_ = 0;
+};
+
+const Dof& dofAt(const Model& model, const std::pair<int, int>& at) {
+  return model.links[static_cast<std::size_t>(at.first)].dofs[static_cast<std::size_t>(at.second)];
+}
+
+}  // namespace
+
+std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Tendon& tendon,
+                                 Report& report) {
+  TendonBuilder builder(model, layout);
+  const auto lose = [&](const std::string& why) {
+    report.note(Effect::Lost, tendon.place, "tendon" + inQuotes(tendon.name), why);
+    return std::nullopt;
+  };
+  for (const Tendon::Point& point : tendon.path) builder.addPoint(point);
+  double start = 0;  // of the sum, where the joint has 0
+  for (const Tendon::Term& term : tendon.terms) {
+    const Dof& dof = dofAt(model, term.dof);
+    if (model.links[static_cast<std::size_t>(term.dof.first)].dofs.size() != 1)
+      return lose("only joints that are alone in their body can be coupled");
+    builder.addTerm(term.dof, {term.coefficient, 0, 0, 0});
+    start += term.coefficient * (dof.reference + dof.start);
+  }
+  JointDef joint;
+  if (const std::string why = builder.build(joint); !why.empty()) return lose(why);
+  joint.axes[0] = axisOf(tendon, 1, start);
+  return joint;
+}
+
+std::optional<JointDef> cam(const Model& model, const Layout& layout, const Coupling& coupling,
+                            Report& report) {
+  // with q = s + p, s at the beginning: the polynomial in p
+  const double s = dofAt(model, coupling.dofB).start;
+  std::array<double, 5> shifted{};
+  double power[5] = {1, s, s * s, s * s * s, s * s * s * s};
+  constexpr double kChoose[5][5] = {
+      {1, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {1, 2, 1, 0, 0}, {1, 3, 3, 1, 0}, {1, 4, 6, 4, 1}};
+  for (std::size_t n = 0; n < 5; ++n)
+    for (std::size_t k = 0; k <= n; ++k) shifted[k] += coupling.terms[n] * kChoose[n][k] * power[n - k];
+  TendonBuilder builder(model, layout);
+  builder.addTerm(coupling.dofA, {1, 0, 0, 0});
+  builder.addTerm(coupling.dofB, {-shifted[1], -shifted[2], -shifted[3], -shifted[4]});
+  JointDef joint;
+  if (const std::string why = builder.build(joint); !why.empty()) {
+    report.note(Effect::Lost, coupling.place, "coupling" + inQuotes(coupling.name), why);
+    return std::nullopt;
+  }
+  joint.axes[0].min = joint.axes[0].max = shifted[0] - dofAt(model, coupling.dofA).start;
+  return joint;
+}
+
+}  // namespace rubble::convert

@@ -1,0 +1,330 @@
+#pragma once
+/// Tendon: a length over points of up to four bodies, and functions of joint coordinates between them. Sides
+/// 0 to 3 are A, B and the frame bodies of A and B.
+///
+///   c = sum_i w_i |x_(i+1) - x_i| + sum_k f_k(q_k)     [m], F [N], > 0: tension
+///   f(q) = c_1 q + c_2 q^2 + c_3 q^3 + c_4 q^4
+///
+/// x_i = p + r_i is a point of its side, n_i the direction of segment i. q_k is the turn of one side in
+/// another about an axis (gear.h) or its travel along it (rack.h).
+///
+///   J = w_i (-[n_i, r_i x n_i] at the first end, [n_i, r_(i+1) x n_i] at the second) + f' dq/dx
+///   G: column norms of F d2c/dx2, with P of a segment under tension only (lengthCurvature)
+#include "forces/gear.h"
+#include "forces/linear_parts.h"
+
+namespace rubble {
+
+/// Constants of a tendon, in the precision R.
+template <class R, class V, class Q> struct TendonPath {
+  static constexpr int kMostPoints = 8, kMostTerms = 3;
+  struct Point {
+    V at;      ///< in the frame of its body [m]
+    R weight;  ///< of the segment to the next point [1]
+    int side;
+  };
+  struct Term {
+    Q base, frame;    ///< joint -> frame body and joint -> body; x is the axis
+    V begin, anchor;  ///< in the frame body and in the body [m]
+    R c[4];
+    int travels, body, frameBody;  ///< 0, 1, and sides
+  };
+  Point point[kMostPoints];
+  Term term[kMostTerms];
+  int points, terms, world;  ///< world: bits of the frame bodies that are the world
+};
+
+}  // namespace rubble
+
+namespace rubble::RUBBLE_CORE {
+
+/// Second derivative by the motion of one body.
+struct Curve6 {
+  Real m[6][6];
+
+  RUBBLE_HD void addOuter(const Vec6& j, Real s) {
+    const Real v[6] = {j.lin.x, j.lin.y, j.lin.z, j.ang.x, j.ang.y, j.ang.z};
+    for (int i = 0; i < 6; ++i)
+      for (int k = 0; k < 6; ++k) m[i][k] += s * v[i] * v[k];
+  }
+  /// s (a b^T + b a^T) / 2 of rotations.
+  RUBBLE_HD void addTurn(const Vec3& a, const Vec3& b, Real s) {
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) m[3 + i][3 + k] += s * (a[i] * b[k] + b[i] * a[k]) / 2;
+  }
+  /// s S(f, r): of f . exp(w) r.
+  RUBBLE_HD void addLever(const Vec3& f, const Vec3& r, Real s) {
+    addTurn(f, r, s);
+    const Real along = s * dot(f, r);
+    for (int i = 3; i < 6; ++i) m[i][i] -= along;
+  }
+  /// s u . (translation x rotation), for a direction u that turns with the body.
+  RUBBLE_HD void addMixed(const Vec3& u, Real s) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 column = s * cross(u, unitAxis(k));
+      for (int i = 0; i < 3; ++i) m[i][3 + k] += column[i], m[3 + k][i] += column[i];
+    }
+  }
+  /// Of s |d|, where the body moves the head of d = |d| n by its lever r.
+  RUBBLE_HD void addLength(const Vec3& n, Real size, const Vec3& r, Real s) {
+    addLever(n, r, s);
+    if (s < Real(0) || !(size > kNoDistance)) return;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 across = unitAxis(i) - n * n[i];
+      // the square root of P: its columns are those of 1 - n n^T
+      addOuter({across, cross(r, across)}, s / size);
+    }
+  }
+  RUBBLE_HD Vec6 columnNorms() const {
+    Real norm[6];
+    for (int k = 0; k < 6; ++k) {
+      Real sum = 0;
+      for (int i = 0; i < 6; ++i) sum += m[i][k] * m[i][k];
+      norm[k] = std::sqrt(sum);
+    }
+    return {{norm[0], norm[1], norm[2]}, {norm[3], norm[4], norm[5]}};
+  }
+};
+
+struct TendonAxis {
+  static constexpr int kRows = 1;
+  static constexpr RowUnit kUnit = RowUnit::Linear;
+  static constexpr bool kAxis = true;
+  static constexpr Real kStiffnessShare = kCouplingShare;
+
+  template <class D, class M>
+  RUBBLE_HD static Pose sidePose(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
+                                 int side) {
+    Pose pose = side == 0 ? Pose(a) : side == 1 ? Pose(b) : side == 2 ? a.frameBody : b.frameBody;
+    if (d.world >> side & 1) pose.p = m.world;
+    return pose;
+  }
+  /// A term: q, and at a side dq/dx.
+  template <class T> struct Coordinate {
+    const T& term;
+    Pose body, frame;
+
+    RUBBLE_HD Quat base() const { return frame.q * term.base; }
+    RUBBLE_HD Quat turn() const { return shortArc(conjugate(base()) * body.q * term.frame); }
+    RUBBLE_HD Vec3 lever() const { return rotate(body.q, term.anchor); }
+    RUBBLE_HD Real value(const RevolutionCounter& counter) const {
+      if (term.travels == 0) return counter.nearest(twistAngle(turn())) + static_cast<Real>(counter.turned());
+      return dot(rotate(base(), Vec3{1, 0, 0}), body.p + lever() - frame.p - rotate(frame.q, term.begin));
+    }
+    RUBBLE_HD Vec6 gradient(bool ofFrame) const {
+      if (term.travels == 0) {
+        const Vec3 g = rotate(base(), twistGradient(turn()));
+        return {{0, 0, 0}, ofFrame ? -g : g};
+      }
+      const Vec3 u = rotate(base(), Vec3{1, 0, 0}), r = lever();
+      return ofFrame ? -Vec6{u, cross(body.p + r - frame.p, u)} : Vec6{u, cross(r, u)};
+    }
+    RUBBLE_HD void bend(bool ofFrame, Real s, Curve6& sum) const {
+      if (term.travels == 0) {
+        const Vec3 g = twistGradient(turn());
+        return sum.addTurn(rotate(base(), g), rotate(base(), Vec3{0, g.z, -g.y}), -s);
+      }
+      const Vec3 u = rotate(base(), Vec3{1, 0, 0}), r = lever();
+      sum.addLever(u, ofFrame ? body.p + r - frame.p : r, s);
+      if (ofFrame) sum.addMixed(u, s);
+    }
+    /// f, f' or f'' at q.
+    RUBBLE_HD Real polynomial(Real q, int derivative) const {
+      const Real* c = term.c;
+      return derivative == 0   ? q * (c[0] + q * (c[1] + q * (c[2] + q * c[3])))
+             : derivative == 1 ? c[0] + q * (2 * c[1] + q * (3 * c[2] + q * 4 * c[3]))
+                               : 2 * c[1] + q * (6 * c[2] + q * 12 * c[3]);
+    }
+  };
+  template <class D, class M>
+  RUBBLE_HD static auto coordinate(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
+                                   int k) {
+    const auto& term = d.term[k];
+    return Coordinate<std::remove_cvref_t<decltype(term)>>{term, sidePose(d, m, a, b, term.body),
+                                                           sidePose(d, m, a, b, term.frameBody)};
+  }
+  /// Calls f(weight, side of the first end, side of the second, levers, span) for each segment.
+  template <class D, class M, class Function>
+  RUBBLE_HD static void forEachSegment(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
+                                       Function&& f) {
+    for (int i = 0; i + 1 < d.points; ++i) {
+      if (!(d.point[i].weight > Real(0))) continue;
+      const Pose from = sidePose(d, m, a, b, d.point[i].side), to = sidePose(d, m, a, b, d.point[i + 1].side);
+      const Vec3 r = rotate(from.q, d.point[i].at), s = rotate(to.q, d.point[i + 1].at);
+      f(d.point[i].weight, d.point[i].side, d.point[i + 1].side, r, s, (to.p - from.p) + s - r);
+    }
+  }
+
+  template <class D, class M>
+  RUBBLE_HD static void constraint(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
+                                   Real (&c)[kRows]) {
+    c[0] = 0;
+    forEachSegment(d, m, a, b, [&](Real weight, int, int, const Vec3&, const Vec3&, const Vec3& span) {
+      c[0] += weight * length(span);
+    });
+    for (int k = 0; k < d.terms; ++k) {
+      const auto q = coordinate(d, m, a, b, k);
+      c[0] += q.polynomial(q.value(m.counter[k]), 0);
+    }
+  }
+  template <class D, class M>
+  RUBBLE_HD static void jacobian(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
+                                 int side, Vec6 (&j)[kRows]) {
+    j[0] = {{0, 0, 0}, {0, 0, 0}};
+    forEachSegment(d, m, a, b, [&](Real w, int from, int to, const Vec3& r, const Vec3& s, const Vec3& span) {
+      if (from == to || (from != side && to != side)) return;
+      Vec3 n;
+      direction(span, n);
+      j[0] += from == side ? Vec6{-w * n, -w * cross(r, n)} : Vec6{w * n, w * cross(s, n)};
+    });
+    for (int k = 0; k < d.terms; ++k) {
+      if (d.term[k].body != side && d.term[k].frameBody != side) continue;
+      const auto q = coordinate(d, m, a, b, k);
+      j[0] += q.polynomial(q.value(m.counter[k]), 1) * q.gradient(d.term[k].frameBody == side);
+    }
+  }
+  template <class D, class M>
+  RUBBLE_HD static Vec6 curvature(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
+                                  int side, const Real (&f)[kRows]) {
+    Curve6 sum{};
+    forEachSegment(d, m, a, b, [&](Real w, int from, int to, const Vec3& r, const Vec3& s, const Vec3& span) {
+      if (from == to || (from != side && to != side)) return;
+      Vec3 n;
+      const Real size = direction(span, n);
+      if (from == side)
+        sum.addLength(-n, size, r, w * f[0]);
+      else
+        sum.addLength(n, size, s, w * f[0]);
+    });
+    for (int k = 0; k < d.terms; ++k) {
+      const bool ofFrame = d.term[k].frameBody == side;
+      if (!ofFrame && d.term[k].body != side) continue;
+      const auto q = coordinate(d, m, a, b, k);
+      const Real at = q.value(m.counter[k]);
+      q.bend(ofFrame, f[0] * q.polynomial(at, 1), sum);
+      sum.addOuter(q.gradient(ofFrame), f[0] * q.polynomial(at, 2));
+    }
+    return sum.columnNorms();
+  }
+};
+
+struct TendonJoint {
+  static constexpr const char* kName = "tendon";
+  static constexpr bool kGrounded = false, kHasFrameBodies = true;
+  using Parts = PartList<TendonAxis>;
+  using Constants = TendonPath<double, rubble::Vec3, rubble::Quat>;
+  struct Data : TendonPath<Real, Vec3, Quat> {
+    static Data of(const EngineJoint& j) {
+      const auto own = j.constants.get<Constants>();
+      Data out{};
+      out.points = own.points, out.terms = own.terms;
+      out.world = (j.frameBodyA == kWorld ? 4 : 0) | (j.frameBodyB == kWorld ? 8 : 0);
+      for (int i = 0; i < own.points; ++i)
+        out.point[i] = {Vec3(own.point[i].at), Real(own.point[i].weight), own.point[i].side};
+      for (int i = 0; i < own.terms; ++i) {
+        const auto& t = own.term[i];
+        out.term[i] = {Quat(t.base),
+                       Quat(t.frame),
+                       Vec3(t.begin),
+                       Vec3(t.anchor),
+                       {Real(t.c[0]), Real(t.c[1]), Real(t.c[2]), Real(t.c[3])},
+                       t.travels,
+                       t.body,
+                       t.frameBody};
+      }
+      return out;
+    }
+  };
+  struct Memory {
+    Vec3 world;  ///< origin of the world relative to p_B^t [m]
+    RevolutionCounter counter[Data::kMostTerms];
+    template <class D>
+    RUBBLE_HD void remember(const D& d, const FrameBodyPose& a, const FrameBodyPose& b, const Vec3d& origin) {
+      world = Vec3(Vec3d{} - origin);
+      for (int k = 0; k < d.terms; ++k)
+        if (d.term[k].travels == 0)
+          counter[k].follow(twistAngle(TendonAxis::coordinate(d, *this, a, b, k).turn()));
+    }
+  };
+};
+
+struct TendonKind {
+  using Joint = TendonJoint;
+  static constexpr const char* kName = "tendon";
+  static constexpr const char*
+      kDoc = "length over points of up to four bodies, and functions of the coordinates between them";
+  static constexpr int kPointNumbers = 5, kTermNumbers = 13;
+  static constexpr auto kFields = std::tuple_cat(
+      std::tuple{
+          field("path", "1, m", "five numbers for each point: side, x, y, z, weight of the segment",
+                &TendonFields::path),
+          field("terms", "1, m", "thirteen numbers for each coordinate: kind, sides, axis, anchor, c_1-4",
+                &TendonFields::terms)},
+      kBreakForceField);
+
+  static void build(JointBuild& b) {
+    const TendonFields& own = ownIn<TendonFields>(b.def.own);
+    TendonJoint::Constants out{};
+    const auto of = [&](double side) -> const JointBodyState& {
+      return side == 0   ? b.bodies.a
+             : side == 1 ? b.bodies.b
+             : side == 2 ? b.bodies.frameBodyA
+                         : b.bodies.frameBodyB;
+    };
+    for (std::size_t i = 0; i < own.path.size(); i += kPointNumbers) {
+      const double* n = &own.path[i];
+      out.point[out.points++] = {of(n[0]).inEngineFrame({n[1], n[2], n[3]}), n[4], static_cast<int>(n[0])};
+    }
+    const TendonJoint::Constants before = b.before ? b.before->constants.get<TendonJoint::Constants>() : out;
+    for (std::size_t i = 0; i < own.terms.size(); i += kTermNumbers) {
+      const double* n = &own.terms[i];
+      const JointBodyState &body = of(n[1]), &frame = of(n[2]);
+      auto& term = out.term[out.terms++];
+      term = {{},
+              normalize(conjugate(body.axes) * frameAlong({n[3], n[4], n[5]})),
+              {},
+              body.inEngineFrame({n[6], n[7], n[8]}),
+              {n[9], n[10], n[11], n[12]},
+              static_cast<int>(n[0]),
+              static_cast<int>(n[1]),
+              static_cast<int>(n[2])};
+      term.base = normalize(conjugate(frame.orientation) * body.orientation * term.frame);
+      term.begin = rotateInverse(frame.orientation, body.point(term.anchor) - frame.position);
+      if (b.before && out.terms <= before.terms)
+        term.base = before.term[out.terms - 1].base, term.begin = before.term[out.terms - 1].begin;
+    }
+    b.joint.constants.set(out);
+    b.joint.isRigid = false;
+  }
+  static void check(const JointDef& def, const Path& path) {
+    const TendonFields& own = ownIn<TendonFields>(def.own);
+    const auto whole = [&](double value, double most, const Path& at) {
+      if (!(value >= 0 && value <= most && value == std::floor(value)))
+        throw Error(at, "a whole number up to " + numberText(most), numberText(value));
+    };
+    const auto size = [&](std::size_t numbers, int each, int most, const char* name) {
+      if (numbers % static_cast<std::size_t>(each) != 0 || numbers > static_cast<std::size_t>(each * most))
+        throw Error(path + name, numberText(each) + " numbers for each of at most " + numberText(most),
+                    numberText(static_cast<double>(numbers)));
+    };
+    size(own.path.size(), kPointNumbers, TendonJoint::Constants::kMostPoints, ".path");
+    size(own.terms.size(), kTermNumbers, TendonJoint::Constants::kMostTerms, ".terms");
+    if (own.path.size() < 2 * kPointNumbers && own.terms.empty())
+      throw Error(path + ".path", "two points, or a term", "neither");
+    for (std::size_t i = 0; i < own.path.size(); i += kPointNumbers) {
+      whole(own.path[i], 3, (path + ".path")[i]);
+      if (own.path[i + 4] < 0) throw Error((path + ".path")[i + 4], "a weight of at least 0", "less");
+    }
+    for (std::size_t i = 0; i < own.terms.size(); i += kTermNumbers) {
+      whole(own.terms[i], 1, (path + ".terms")[i]);
+      whole(own.terms[i + 1], 3, (path + ".terms")[i + 1]),
+          whole(own.terms[i + 2], 3, (path + ".terms")[i + 2]);
+      if (own.terms[i + 1] == own.terms[i + 2])
+        throw Error((path + ".terms")[i + 2], "another side than the one that moves", "the same");
+      if (!(std::hypot(own.terms[i + 3], own.terms[i + 4], own.terms[i + 5]) > 1e-9))
+        throw Error((path + ".terms")[i + 3], "a direction", "zeros");
+    }
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,201 @@
+/// USD and glTF: units, bodies, joints, composition, and the readers of both USD formats against our writers.
+#include <cmath>
+#include <numbers>
+
+#include "convert/folders.h"
+#include "convert/out/usd_layer.h"
+#include "convert/usd/layer.h"
+#include "convert/usd/packed.h"
+#include "tests/convert/model_file.h"
+
+namespace rubble {
+namespace {
+
+using convert::Effect;
+using convert::Import;
+using test::bodyNamed;
+using test::jointNamed;
+
+constexpr double kPi = std::numbers::pi;
+const std::string kModels = std::string(RUBBLE_SOURCE_DIR) + "/tests/convert/models/";
+
+void expectNear(const Vec3& a, const Vec3& b, double tolerance = 1e-9) {
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], tolerance) << "axis " << k;
+}
+std::string usda(const std::string& prims, const std::string& settings = "upAxis = \"Z\" metersPerUnit = 1") {
+  return "#usda 1.0\n( " + settings + " )\n" + prims;
+}
+/// A rigid body with a ball of 1 kg.
+std::string ball(const std::string& name, const std::string& more = "", const std::string& metadata = "") {
+  return "def Sphere \"" + name +
+         "\" ( prepend apiSchemas = [\"PhysicsRigidBodyAPI\", \"PhysicsCollisionAPI\", \"PhysicsMassAPI\"] " +
+         metadata + " ) { double radius = 0.5 float physics:mass = 1 " + more + " }\n";
+}
+std::string at(const std::string& place) {
+  return "double3 xformOp:translate = " + place + " uniform token[] xformOpOrder = [\"xformOp:translate\"] ";
+}
+Import import(const std::string& text) { return convert::importContent(text, "stage.usda"); }
+
+void write(convert::UsdLayer& layer) {
+  using convert::Token;
+  const std::vector<Vec3T<float>> points{{1, 2, 3}, {-4, 5.5f, 0}};
+  const std::vector<int> counts(40, 3);
+  const std::vector<Token> names{{"a"}, {"b"}};
+  const int top = layer.prim(-1, "Top", "Xform"), mesh = layer.prim(top, "Mesh", "Mesh"),
+            other = layer.prim(top, "Other", "Scope");
+  layer.set(layer.attribute(mesh, "point3f[]", "points"), std::span<const Vec3T<float>>(points));
+  layer.set(layer.attribute(mesh, "int[]", "faceVertexCounts"), std::span<const int>(counts));
+  layer.set(layer.attribute(mesh, "double", "height"), 2.75);
+  layer.set(layer.attribute(mesh, "bool", "shown"), true);
+  layer.set(layer.attribute(mesh, "token", "axis", "", true), Token{"Y"});
+  layer.set(layer.attribute(mesh, "token[]", "names"), std::span<const Token>(names));
+  convert::Matrix4 matrix{};
+  for (std::size_t i = 0; i < 16; ++i) matrix[i] = static_cast<double>(i) / 4;
+  layer.set(layer.attribute(other, "matrix4d", "xformOp:transform"), matrix);
+  const int moving = layer.attribute(other, "float", "speed");
+  for (int k = 0; k < 3; ++k) layer.sample(moving, k, 1.5f + static_cast<float>(k));
+  layer.relate(other, "source", {mesh});
+  convert::UsdHead head;
+  head.defaultPrim = "Top", head.yUp = true;
+  layer.finish(head);
+}
+
+TEST(UsdLayer, BothFormatsReadWhatWeWrite) {
+  const test::ModelFolder folder;
+  const std::string text = (folder.path() / "a.usda").string(), crate = (folder.path() / "a.usdc").string();
+  write(*convert::textLayer(text)), write(*convert::binaryLayer(crate));
+  for (const std::string& file : {text, crate}) {
+    SCOPED_TRACE(file);
+    const usd::Layer layer = usd::parse(convert::bytesOf(file, file), file);
+    EXPECT_EQ(layer.defaultPrim, "Top");
+    EXPECT_EQ(layer.upAxis, "Y");
+    EXPECT_EQ(layer.metersPerUnit, 1);
+    const usd::Prim* const top = layer.root.child("Top");
+    ASSERT_TRUE(top);
+    const usd::Prim *const mesh = top->child("Mesh"), *const other = top->child("Other");
+    ASSERT_TRUE(mesh && other);
+    EXPECT_EQ(mesh->type, "Mesh");
+    const auto numbers = [](const usd::Prim* prim, const char* name) {
+      const usd::Property* const found = prim->find(name);
+      return found ? found->value.numbers : std::vector<double>{};
+    };
+    EXPECT_EQ(numbers(mesh, "points"), (std::vector<double>{1, 2, 3, -4, 5.5, 0}));
+    EXPECT_EQ(numbers(mesh, "faceVertexCounts"), std::vector<double>(40, 3));
+    EXPECT_EQ(numbers(mesh, "height"), std::vector{2.75});
+    EXPECT_EQ(numbers(mesh, "shown"), std::vector{1.});
+    EXPECT_EQ(mesh->find("axis")->value.texts, std::vector<std::string>{"Y"});
+    EXPECT_EQ(mesh->find("names")->value.texts, (std::vector<std::string>{"a", "b"}));
+    EXPECT_EQ(numbers(other, "xformOp:transform").at(7), 1.75);
+    EXPECT_EQ(numbers(other, "speed"), std::vector{1.5});
+    EXPECT_TRUE(other->find("speed")->isAnimated);
+    EXPECT_EQ(other->find("source")->targets, std::vector<std::string>{"/Top/Mesh"});
+  }
+}
+
+TEST(UsdLayer, UnpacksCopiesOfEarlierBytesAndRefusesOthers) {
+  // three literals, then 9 bytes from 3 before
+  const std::string packed{'\0', '\x35', 'a', 'b', 'c', '\x03', '\0'};
+  EXPECT_EQ(usd::unpackBytes(packed, 100, "here"), "abcabcabcabc");
+  EXPECT_THROW(usd::unpackBytes(packed, 11, "here"), Error);
+  EXPECT_THROW(usd::unpackBytes(std::string{'\0', '\x35', 'a', 'b', 'c', '\x04', '\0'}, 100, "here"), Error);
+  EXPECT_THROW(usd::unpackBytes("", 100, "here"), Error);
+}
+
+TEST(Usd, UnitsAndTheUpAxisBecomeMetersAndZ) {
+  const Import model = import(
+      usda(ball("b", at("(100, 200, 300)")) +
+               "def PhysicsScene \"s\" { vector3f physics:gravityDirection = (0, 0, 1) "
+               "float physics:gravityMagnitude = 500 }",
+           "upAxis = \"Y\" metersPerUnit = 0.01 kilogramsPerUnit = 0.001"));
+  expectNear(bodyNamed(model, "b").position, {1, -3, 2});
+  EXPECT_NEAR(*bodyNamed(model, "b").mass, 1e-3, 1e-15);
+  EXPECT_NEAR(bodyNamed(model, "b").shape.radius, .005, 1e-12);
+  expectNear(model.file.scene.gravity, {0, -5, 0});
+}
+
+TEST(Usd, AMachineHasItsBodiesJointsAndFilters) {
+  const Import model = convert::importModel(kModels + "machine.usda");
+  EXPECT_EQ(bodyNamed(model, "Machine/Gate").motion, Motion::Kinematic);
+  const JointDef& axle = jointNamed(model, "Machine/Joints/FrontAxle");
+  EXPECT_EQ(axle.type, JointType::Hinge);
+  EXPECT_NEAR(axle.axes[0].targetSpeed, kPi / 2, 1e-6);
+  EXPECT_NEAR(axle.axes[0].driveDamping, 40 * 1e-4 * 180 / kPi, 1e-9);
+  EXPECT_NEAR(axle.axes[0].maxDriveForce, 20, 1e-6);
+  EXPECT_EQ(jointNamed(model, "Machine/Joints/LiftSlide").type, JointType::Slider);
+  EXPECT_EQ(jointNamed(model, "Machine/Joints/Shoulder").type, JointType::SwingTwist);
+  EXPECT_NEAR(jointNamed(model, "Machine/Joints/Shoulder").swingZ, 40 * kPi / 180, 1e-6);
+  EXPECT_NEAR(jointNamed(model, "Machine/Joints/Leash").axes[0].max, .6, 1e-9);
+  EXPECT_EQ(jointNamed(model, "Machine/Joints/Guide").type, JointType::SixDof);
+  EXPECT_EQ(model.file.scene.exclusions.size(), 3u);
+  EXPECT_EQ(model.report.count(Effect::Lost), 0u) << convert::textOf(model.report, true);
+}
+
+TEST(Usd, VariantsInheritsAndOverridesCompose) {
+  const Import model = import(usda("class \"Base\" { double radius = 3 float physics:mass = 7 }\n" +
+                                   ball("a", at("(0, 0, 9)"), "prepend inherits = </Base>") +
+                                   "def \"b\" ( prepend references = </a> variants = { string size = \"big\" "
+                                   "} ) { variantSet \"size\" = { "
+                                   "\"small\" { double radius = 0.1 } \"big\" { double radius = 2 } } }"));
+  // own values before those of the class, variants before references
+  EXPECT_NEAR(bodyNamed(model, "a").shape.radius, .5, 1e-12);
+  EXPECT_NEAR(bodyNamed(model, "b").shape.radius, 2, 1e-12);
+  EXPECT_NEAR(*bodyNamed(model, "b").mass, 1, 1e-12);
+  expectNear(bodyNamed(model, "b").position, {0, 0, 9});
+}
+
+TEST(Usd, ReferencesStayInsideOfTheFolderAndEnd) {
+  const test::ModelFolder folder;
+  folder.write("part.usda", usda(ball("part"), "defaultPrim = \"part\""));
+  const std::string inside = folder.write(
+      "a.usda", usda("def \"x\" ( references = @part.usda@ ) { " + at("(1, 0, 0)") + " }"));
+  expectNear(bodyNamed(convert::importModel(inside), "x").position, {1, 0, 0});
+  const Import outside = convert::importModel(
+      folder.write("b.usda", usda("def \"x\" ( references = @../../../etc/passwd@ ) { }")));
+  EXPECT_EQ(outside.report.count(Effect::Lost), 1u);
+  for (const char* cycle :
+       {"def \"a\" ( references = </b> ) { } def \"b\" ( references = </a> ) { }",
+        "def \"a\" { def \"b\" ( references = </a> ) { } }", "def \"a\" ( inherits = </a> ) { }"})
+    EXPECT_NE(test::messageOf([&] { import(usda(cycle)); }).find("cycle"), std::string::npos) << cycle;
+}
+
+TEST(Usd, ErrorsNameFileAndLine) {
+  const std::string message = test::messageOf(
+      [] { import(usda("\n" + ball("b", "\nfloat physics:density = -1"))); });
+  EXPECT_NE(message.find("stage.usda:5: b.physics:density"), std::string::npos) << message;
+  EXPECT_NE(test::messageOf([] { import(usda("def \"a\" { double x = ( }")); }).find("stage.usda:3"),
+            std::string::npos);
+  for (const char* wrong : {"#usda 1.0\ndef", "#usda 1.0\n(", "PXR-USDC", "#usda 1.0\ndef \"a\" {"})
+    EXPECT_NE(test::messageOf([&] { import(wrong); }), "") << wrong;
+}
+
+TEST(Gltf, AGateHasItsBodiesJointAndFilters) {
+  const Import model = convert::importModel(kModels + "gate.gltf");
+  const BodyDef& crate = bodyNamed(model, "crate");
+  EXPECT_NEAR(*crate.mass, 5, 1e-12);
+  expectNear(crate.position, {0, 0, 2});
+  expectNear(crate.shape.halfExtents, {.5, .3, .35});
+  expectNear(crate.angularVelocity, {0, 0, 2}, 1e-6);
+  EXPECT_DOUBLE_EQ(crate.gravityScale, .5);
+  const JointDef& hinge = jointNamed(model, "hinge");
+  EXPECT_EQ(hinge.type, JointType::SixDof);
+  EXPECT_EQ(hinge.bodyB, kWorld);
+  expectNear(hinge.anchorB, {3.3, 0, 1});
+  EXPECT_DOUBLE_EQ(hinge.axes[4].max, .5);
+  EXPECT_DOUBLE_EQ(hinge.axes[4].driveStiffness, 3);
+  EXPECT_EQ(model.file.scene.exclusions.size(), 1u);
+  EXPECT_TRUE(model.report.exact()) << convert::textOf(model.report, true);
+}
+
+TEST(Gltf, RefusesWhatIsNotThere) {
+  const std::string
+      head = "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_physics_rigid_bodies\"],";
+  for (const std::string& rest :
+       {std::string("\"nodes\":[{\"children\":[0]}]}"), std::string("\"nodes\":[{\"children\":[7]}]}"),
+        std::string("\"nodes\":[{\"scale\":[1,2]}]}"),
+        std::string("\"nodes\":[{\"extensions\":{\"KHR_physics_rigid_bodies\":{\"collider\":"
+                    "{\"geometry\":{\"shape\":0}}}}}]}")})
+    EXPECT_NE(test::messageOf([&] { convert::importContent(head + rest, "a.gltf"); }), "") << rest;
+}
+
+}  // namespace
+}  // namespace rubble
