@@ -198,8 +198,10 @@ struct AssembleTreeJointsByTile {
   __device__ static JointOfLane jointOf(const SolverData& s, const TreeNode& node,
                                         const Incidence& incidence) {
     JointOfLane joint;
-    // read before the branch on the type, so that all lanes wait for memory together
-    const int far = incidence.other >= 0 ? s.nodeOfBody[incidence.other] : -1;
+    // read before the branch on the type, so that all lanes wait for memory together; the other side of an
+    // attachment is a vertex
+    const bool isBody = incidence.other >= 0 && incidence.other < s.bodies;
+    const int far = isBody ? s.nodeOfBody[incidence.other] : -1;
     forEachType(JointTypes{}, [&]<class F>() {
       if (constraintType(incidence.code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(incidence.code))
         return;
