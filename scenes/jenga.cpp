@@ -44,7 +44,7 @@ Scene buildJenga(const Arguments&) {
     for (int k = 0; k < kPullSteps; k += 2, step += 2) {
       Event event;
       event.step = step;
-      event.setJoint.push_back({hand.name, 0, {}, {}, {}, from + kHandSpeed * (k + 2) / 60. * way, {}});
+      event.setJoint.push_back({hand.name, 0, {}, {}, {}, from + kHandSpeed * (k + 2) / 60. * way});
       scene.events.push_back(event);
     }
   }

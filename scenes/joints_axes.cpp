@@ -219,7 +219,7 @@ Scene buildDrag(const Arguments&) {
     for (int step = 30; step <= 150; step += 2) {
       Event event;
       event.step = step;
-      event.setJoint.push_back({drag.name, 0, {}, {}, {}, Vec3{.5 + 3 * (step - 30) / 120., y, .5}, {}});
+      event.setJoint.push_back({drag.name, 0, {}, {}, {}, Vec3{.5 + 3 * (step - 30) / 120., y, .5}});
       scene.events.push_back(event);
     }
   }

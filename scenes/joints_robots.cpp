@@ -42,7 +42,7 @@ Scene buildRobot(const Arguments&) {
     event.step = 30 + k;
     const double s = k / 90., part = s * s * (3 - 2 * s);
     for (int i = 0; i < 6; ++i)
-      event.setJoint.push_back({"axis" + std::to_string(i), 0, part * kPose[i], {}, {}, {}, {}});
+      event.setJoint.push_back({"axis" + std::to_string(i), 0, part * kPose[i], {}, {}, {}});
     scene.events.push_back(event);
   }
   return scene;

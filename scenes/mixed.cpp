@@ -125,7 +125,7 @@ Scene buildArms(const Arguments& arguments) {
                                   .5 * std::sin(step / 30. + i + k),
                                   {},
                                   {},
-                                  {}, {}});
+                                  {}});
     scene.events.push_back(event);
   }
   const int side = whole(arguments, "side");

@@ -295,11 +295,11 @@ struct Event {
   struct Turn {
     std::string joint;
     int axis = 0;
-    std::optional<double> targetPosition;  ///< of the drive of the axis [m], [rad]
-    std::optional<double> targetSpeed;     ///< [m/s], [rad/s]
-    std::optional<double> length;          ///< distance, rope, spring, pulley [m]
-    std::optional<Vec3> dragTo;            ///< drag: world [m]
-    std::optional<double> motorForce;      ///< [N], [N m]
+    std::optional<double> targetPosition;   ///< of the drive of the axis [m], [rad]
+    std::optional<double> targetSpeed;      ///< [m/s], [rad/s]
+    std::optional<double> length;           ///< distance, rope, spring, pulley [m]
+    std::optional<Vec3> dragTo;             ///< drag: world [m]
+    std::optional<double> motorForce = {};  ///< [N], [N m]
   };
   std::vector<Turn> setJoint;
 };

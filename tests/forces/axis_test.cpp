@@ -10,7 +10,7 @@ StepConstants constants() {
   StepConstants c = testConstants();
   return c;
 }
-AxisSpec nothing() { return {-kNoLimit, kNoLimit, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0}; }
+AxisSpec nothing() { return {-kNoLimit, kNoLimit, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0, 0, 0, 0}; }
 AxisSituation at(Real value, Real change = 0) { return {value, 0, change, 0, 1, 1, 1, kHardValue, 1}; }
 
 /// Dual updates at a fixed coordinate until the force is settled.

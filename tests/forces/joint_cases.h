@@ -116,7 +116,7 @@ template <class F> JointSpec<F> specOf(const typename F::Data& data) {
   spec.breakForce = spec.breakTorque = kHardValue;
   forEachPart<F>([&]<int I, class P>() {
     if constexpr (P::kAxis)
-      partOf<I>(spec.parts) = {0, 0, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0};
+      partOf<I>(spec.parts) = {0, 0, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0, 0, 0, 0};
     else
       partOf<I>(spec.parts) = {GroupMode::Hold, kHardValue, 0, kHardValue};
   });

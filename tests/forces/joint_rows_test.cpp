@@ -6,7 +6,8 @@ namespace {
 
 using test::Random;
 
-const JointBody kLight{2, {.1, .2, .3}, {}}, kHeavy{200, {10, 20, 30}, {}}, kFixedBody{0, {0, 0, 0}, {}};
+const JointBody kLight{2, {.1, .2, .3}, {}, {}}, kHeavy{200, {10, 20, 30}, {}, {}},
+    kFixedBody{0, {0, 0, 0}, {}, {}};
 
 template <class F>
 void begin(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const JointCase<F>& x,

@@ -17,8 +17,8 @@ TreePart<2> rowsAtLimit(Real ahead, TreeSolve how) {
   Real angle[1];
   TwistAxis::constraint(spec.data, joint.memory, a, b, angle);
   AxisSpec& limits = partOf<kAngle>(spec.parts);
-  limits = {-kNoLimit, angle[0] + ahead, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0};
-  beginAxis(c, limits, partOf<kAngle>(joint.parts), {angle[0], 0, 0, 1, 1, 1, kHardValue, 1});
+  limits = {-kNoLimit, angle[0] + ahead, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0, 0, 0, 0};
+  beginAxis(c, limits, partOf<kAngle>(joint.parts), {angle[0], 0, 0, 0, 1, 1, 1, kHardValue, 1});
   TreePart<2> rows{};
   findTreePart<HingeJoint, kAngle, TwistAxis>(c, spec, joint, a, b, how, rows);
   return rows;
