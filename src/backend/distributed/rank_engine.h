@@ -40,6 +40,23 @@ class RankEngine final : public ObservableEngine {
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     guarded([&] { cpu_.scatter(which, rows, values); });
   }
+  // joints and contact forces are those of all ranks
+  void setJointRows(const JointRows& rows) override { cpu_.setJointRows(rows); }
+  ArrayView array(JointArray which) override {
+    gatherState();
+    return cpu_.array(which);
+  }
+  ArrayView array(SensorArray which) override {
+    gatherState();
+    return cpu_.array(which);
+  }
+  ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override {
+    gatherState();
+    return cpu_.contactForces(pairs);
+  }
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override {
+    guarded([&] { cpu_.scatter(which, rows, values); });
+  }
   bool reserve(const std::string& kind, int count) override { return cpu_.reserve(kind, count); }
   std::size_t memoryBytes() const override { return cpu_.memoryBytes(); }
   std::vector<TableHash> tableHashes() override {

@@ -33,6 +33,24 @@ class RankTeam final : public Engine {
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     each([&](Engine& e) { e.scatter(which, rows, values); });
   }
+  void setJointRows(const JointRows& rows) override {
+    each([&](Engine& e) { e.setJointRows(rows); });
+  }
+  ArrayView array(JointArray which) override {
+    together([](RankEngine& e) { e.gatherState(); });
+    return first().array(which);
+  }
+  ArrayView array(SensorArray which) override {
+    together([](RankEngine& e) { e.gatherState(); });
+    return first().array(which);
+  }
+  ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override {
+    together([](RankEngine& e) { e.gatherState(); });
+    return first().contactForces(pairs);
+  }
+  void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override {
+    each([&](Engine& e) { e.scatter(which, rows, values); });
+  }
   bool reserve(const std::string& kind, int count) override {
     bool known = true;
     each([&](Engine& e) { known = e.reserve(kind, count); });
