@@ -72,7 +72,8 @@ RUBBLE_HD inline Decay decayOver(Real x) {
   for (int k = 16; k > 0; --k) change = (1 + change) * (-part / k);
   double left = 1 + change;
   for (; doublings > 0; --doublings) change *= change + 2, left *= left;
-  return {static_cast<Real>(left), x > Real(0) ? static_cast<Real>(-change / static_cast<double>(x)) : Real(1)};
+  return {static_cast<Real>(left),
+          x > Real(0) ? static_cast<Real>(-change / static_cast<double>(x)) : Real(1)};
 }
 
 }  // namespace rubble::RUBBLE_CORE
