@@ -21,6 +21,8 @@ namespace rubble {
 namespace f32 {
 std::unique_ptr<Engine> makeCpuEngine(int, bool) { return nullptr; }
 std::unique_ptr<Engine> makeLockstepEngine(int) { return nullptr; }
+std::uint64_t tableLayout() { return 0; }
+std::unique_ptr<Engine> makeDistributedEngine(const RankOptions&, int, bool) { return nullptr; }
 }  // namespace f32
 
 namespace {

@@ -17,6 +17,12 @@ BodyDef cube(const Vec3& position) {
   return body;
 }
 
+WorldOptions quiet(const std::string& backend = "cpu") {
+  WorldOptions options;
+  options.backend = backend, options.threads = 1, options.timings = false;
+  return options;
+}
+
 Scene onGround(std::vector<BodyDef> bodies) {
   Scene scene;
   scene.bodies = std::move(bodies);
@@ -28,7 +34,7 @@ Scene onGround(std::vector<BodyDef> bodies) {
 }
 
 World settled(const Scene& scene, int steps = 60) {
-  World world(scene, {"cpu", 1, {}, false, false});
+  World world(scene, quiet());
   for (int i = 0; i < steps; ++i) world.step();
   return world;
 }
@@ -92,7 +98,7 @@ TEST(Values, ErrorsAreDepthsAndGaps) {
   joint.bodyA = 2, joint.bodyB = 3;
   joint.anchorA = {1.5, 0, 0}, joint.anchorB = {-1.4, 0, 0};
   scene.joints = {joint};
-  World world(scene, {"cpu", 1, {}, false, false});
+  World world(scene, quiet());
   world.step();
   double depth = 0;
   for (const ContactPoint& c : world.contacts()) depth = std::max(depth, c.depth);
@@ -124,7 +130,7 @@ TEST(Values, StrainIsTheChangeOfLength) {
   for (Vec3& p : cloth.start) p.x *= 1.1;
   CableDef rod = straightCable({5, 0, 0}, {6, 0, 0}, 4);
   scene.deformables = {cloth, rod};
-  const World world(scene, {"cpu", 1, {}, false, false});
+  const World world(scene, quiet());
   const auto strain = vertexValues(world, ColorBy::Strain);
   ASSERT_EQ(strain.size(), 2u);
   for (const float s : strain[0]) EXPECT_NEAR(s, .1f, 1e-5f);
@@ -153,7 +159,7 @@ TEST(Values, UnknownOnesAreNamed) {
 TEST(Values, EveryBackendHasThem) {
   const Scene scene = onGround({cube({0, 0, .5}), cube({0, 0, 1.5})});
   for (const std::string backend : {"cpu", "reference", "lockstep"}) {
-    World world(scene, {backend, 1, {}, false, false});
+    World world(scene, quiet(backend));
     for (int i = 0; i < 5; ++i) world.step();
     EXPECT_GT(bodyValues(world, ColorBy::Multiplier)[0], 0) << backend;
     EXPECT_GT(bodyValues(world, ColorBy::Stiffness)[1], 0) << backend;

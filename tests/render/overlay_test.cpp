@@ -9,6 +9,12 @@
 namespace rubble::render {
 namespace {
 
+WorldOptions quietOn(const char* backend) {
+  WorldOptions options;
+  options.backend = backend, options.threads = 1, options.timings = false;
+  return options;
+}
+
 World cubeOnGround(int steps) {
   Scene scene;
   BodyDef cube, ground;
@@ -16,7 +22,7 @@ World cubeOnGround(int steps) {
   ground.motion = Motion::Static;
   ground.shape = Shape::plane();
   scene.bodies = {ground, cube};
-  World world(scene, {"cpu", 1, {}, false, false});
+  World world(scene, quietOn("cpu"));
   for (int i = 0; i < steps; ++i) world.step();
   return world;
 }
@@ -46,7 +52,7 @@ TEST(Overlay, FramesOfJointsTurnWithTheirBodies) {
   a.orientation = b.orientation = fromAxisAngle(Vec3{0, 0, 1}, .7);
   scene.bodies = {a, b};
   scene.joints = {jointAt(scene, JointType::Hinge, 0, 1, {1.5, 0, 0}, frameAlong({0, 1, 0}))};
-  const World world(scene, {"cpu", 1, {}, false, false});
+  const World world(scene, quietOn("cpu"));
   for (const int side : {0, 1}) {
     const Frame frame = jointFrame(world, world.joints()[0], side);
     EXPECT_NEAR(length(frame.position - Vec3{1.5, 0, 0}), 0, 1e-6);
@@ -61,7 +67,7 @@ TEST(Overlay, BoundsHoldTheirBody) {
   BodyDef cube;
   cube.orientation = fromAxisAngle(Vec3{0, 0, 1}, .785398163397448);
   scene.bodies = {cube};
-  const std::vector<Line> lines = overlayLines(World(scene, {"cpu", 1, {}, false, false}), only("bounds"),
+  const std::vector<Line> lines = overlayLines(World(scene, quietOn("cpu")), only("bounds"),
                                                .5);
   ASSERT_EQ(lines.size(), 12u);
   double reach = 0;

@@ -8,6 +8,12 @@
 namespace rubble::render {
 namespace {
 
+WorldOptions quietOn(const char* backend) {
+  WorldOptions options;
+  options.backend = backend, options.threads = 1, options.timings = false;
+  return options;
+}
+
 Scene tower() {
   Scene scene;
   BodyDef ground;
@@ -29,7 +35,7 @@ TEST(CudaPoseFeed, DrawsWhatIsDrawnBodyByBody) {
   const std::vector<std::string> all = backends();
   if (std::find(all.begin(), all.end(), "cuda") == all.end()) GTEST_SKIP() << "no CUDA device";
   HeadlessContext context;
-  World world(tower(), {"cuda", 0, {}, false, false});
+  World world(tower(), quietOn("cuda"));
   const Camera camera{{18, -20, 12}, {5, 2, 2}, {0, 0, 1}, .5};
   Stage fed(io::pictureBodies(world), world.gravity(), camera, 320, 200),
       plain(io::pictureBodies(world), world.gravity(), camera, 320, 200);

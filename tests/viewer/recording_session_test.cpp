@@ -8,6 +8,12 @@
 namespace rubble::viewer {
 namespace {
 
+WorldOptions quietOn(const char* backend) {
+  WorldOptions options;
+  options.backend = backend, options.threads = 1, options.timings = false;
+  return options;
+}
+
 /// A file of a ball that falls, 90 steps.
 class Recorded : public testing::Test {
  protected:
@@ -20,7 +26,7 @@ class Recorded : public testing::Test {
     ball.shape = Shape::sphere(.5);
     ball.position = {0, 0, 20};
     scene.bodies = {ball};
-    World world(scene, {"cpu", 1, {}, false, false});
+    World world(scene, quietOn("cpu"));
     io::RecordingWriter writer(file_, {"fall", world.params().dt, world.gravity(), 1e-5});
     for (int step = 0; step <= 90; ++step) {
       heights_.push_back(world.state(world.findBody("ball")).position.z);
