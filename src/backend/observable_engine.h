@@ -86,4 +86,19 @@ inline std::size_t elementsWritten(const HostTables& tables, Per per) {
   return std::min(elementsCounted(tables.view(), per), static_cast<std::size_t>(tables.capacity(per)));
 }
 
+/// The most elements that steps have written to each table so far, and one more for the end of offsets:
+/// behind them memory is zero.
+class MostWritten {
+ public:
+  /// Of a table by its number, now. No table has less room than before.
+  std::size_t of(const HostTables& tables, Per per, std::size_t number) {
+    if (number >= most_.size()) most_.resize(number + 1);
+    const auto room = static_cast<std::size_t>(tables.capacity(per));
+    return most_[number] = std::min(room, std::max(most_[number], elementsWritten(tables, per) + 1));
+  }
+
+ private:
+  std::vector<std::size_t> most_;
+};
+
 }  // namespace rubble::RUBBLE_CORE

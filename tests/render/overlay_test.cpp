@@ -67,8 +67,7 @@ TEST(Overlay, BoundsHoldTheirBody) {
   BodyDef cube;
   cube.orientation = fromAxisAngle(Vec3{0, 0, 1}, .785398163397448);
   scene.bodies = {cube};
-  const std::vector<Line> lines = overlayLines(World(scene, quietOn("cpu")), only("bounds"),
-                                               .5);
+  const std::vector<Line> lines = overlayLines(World(scene, quietOn("cpu")), only("bounds"), .5);
   ASSERT_EQ(lines.size(), 12u);
   double reach = 0;
   for (const Line& line : lines) reach = std::max(reach, line.a.x);

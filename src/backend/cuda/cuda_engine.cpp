@@ -65,11 +65,11 @@ const HostTables& CudaEngine::tablesNow() {
     checkCuda(cudaMemcpy(here, there, bytes, cudaMemcpyDeviceToHost), "cudaMemcpy of tables");
   };
   copy(to.counters, device.counters, sizeof(Counters));
+  std::size_t number = 0;
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     // rows have memory of their own here
     if constexpr (std::is_same_v<T, ContactRows>) to.contact = seenRows_.data();
-    const int room = stepper_.tables().capacity(array.per);
-    copy(to.*array.member, device.*array.member, sizeof(T) * static_cast<std::size_t>(room));
+    copy(to.*array.member, device.*array.member, sizeof(T) * seenMost_.of(*seen_, array.per, number++));
   });
   return *seen_;
 }

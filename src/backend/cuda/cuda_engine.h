@@ -177,6 +177,7 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   DeviceQueries queries_;
   std::unique_ptr<HostTables> seen_;  ///< of tablesNow()
   std::vector<ContactRows> seenRows_;
+  MostWritten seenMost_;
   EngineSettings settings_;
   bool settingsChanged_ = true;
   int bodyCount_ = 0, dynamicCount_ = 0;

@@ -99,25 +99,28 @@ class LockstepEngine final : public Engine, public BatchEngine {
     /// Tables when the present stage began, one behind the other. Empty if there was no memory for them.
     std::vector<std::byte> left = {};
     std::vector<std::size_t> ends = {};  ///< of each of them
+    MostWritten most = {};
 
     void keep() {
       const HostTables& tables = engine->tablesNow();
       try {
         std::size_t size = 0;
         ends.clear();
-        forEachArray(
-            [&]<class T>(const ArrayInfo<T>& array) { ends.push_back(size += roomOf(tables, array)); });
+        forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+          const std::size_t elements = most.of(tables, array.per, ends.size());
+          ends.push_back(size += tables.view().*array.member ? elements * sizeof(T) : 0);
+        });
         left.resize(size);
       } catch (const std::bad_alloc&) {
         left.clear();
         return;
       }
+      std::size_t begin = 0;
       auto end = ends.begin();
       forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-        const std::size_t room = roomOf(tables, array);
-        const std::size_t begin = *end++ - room;
-        if (room > 0)
-          std::memcpy(left.data() + begin, static_cast<const void*>(tables.view().*array.member), room);
+        if (*end > begin)
+          std::memcpy(&left[begin], static_cast<const void*>(tables.view().*array.member), *end - begin);
+        begin = *end++;
       });
     }
     /// The table of a number.
@@ -126,10 +129,6 @@ class LockstepEngine final : public Engine, public BatchEngine {
       return std::span(left).subspan(begin, ends[number] - begin);
     }
   };
-  /// Memory of a table [bytes].
-  template <class T> static std::size_t roomOf(const HostTables& tables, const ArrayInfo<T>& array) {
-    return tables.view().*array.member ? static_cast<std::size_t>(tables.capacity(array.per)) * sizeof(T) : 0;
-  }
   struct Compare {
     LockstepEngine* pair;
     void operator()() const noexcept { pair->meet(); }
