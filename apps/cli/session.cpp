@@ -84,7 +84,7 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   if (!options.resumeFile.empty()) runner.resume(readBytes(options.resumeFile));
   // steps are counted from the start of the run that the checkpoint is of
   const int taken = static_cast<int>(runner.world().stepCount());
-  if (taken >= prepared.steps)
+  if (taken > 0 && taken >= prepared.steps)
     throw Error("--steps", fmt::format("more than the {} of the checkpoint", taken),
                 std::to_string(prepared.steps));
   prepared.steps -= taken;

@@ -80,6 +80,14 @@ inline std::size_t elementsCounted(const SolverData& s, Per per) {
   }
 }
 
+/// Does a step itself count the elements of this kind?
+inline bool isCountedInSteps(Per per) {
+  constexpr Per kCounted[] = {Per::Pair,      Per::ActivePair, Per::Manifold,      Per::Rolling,
+                              Per::Aggregate, Per::Slice,      Per::Boundary,      Per::Incidence,
+                              Per::Color,     Per::PointPair,  Per::PointIncidence};
+  return std::ranges::find(kCounted, per) != std::end(kCounted);
+}
+
 /// Elements of a kind that a step has written so far. A count exceeds the capacity until the tables have
 /// grown.
 inline std::size_t elementsWritten(const HostTables& tables, Per per) {

@@ -21,19 +21,19 @@ class Import(unittest.TestCase):
             scene = pathlib.Path(folder) / "arm.json"
             done = rubble("import", MODELS / "arm.xml", "-o", scene)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("joint.armature", done.stdout)
+            self.assertIn("motor 'grip' -> motor of joint 'grip'", done.stdout)
             self.assertEqual(rubble("check", scene).returncode, 0)
 
     def test_the_report_is_json_if_wanted(self):
-        done = rubble("import", MODELS / "arm.xml", "-q", "--json", "-")
+        done = rubble("import", MODELS / "adhesion.xml", "-q", "--json", "-")
         report = json.loads(done.stdout)
         self.assertEqual(report["format"], "MJCF")
         self.assertFalse(report["exact"])
-        note = next(note for note in report["notes"] if note["what"] == "joint.armature")
-        self.assertEqual((note["effect"], note["file"]), ("lost", "arm.xml"))
+        note = next(note for note in report["notes"] if note["what"] == "adhesion 'grip'")
+        self.assertEqual((note["effect"], note["file"]), ("lost", "adhesion.xml"))
 
     def test_strict_refuses_what_is_not_exact(self):
-        self.assertEqual(rubble("import", MODELS / "arm.xml", "--strict").returncode, 2)
+        self.assertEqual(rubble("import", MODELS / "adhesion.xml", "--strict").returncode, 2)
         self.assertEqual(rubble("import", MODELS / "pendulum.xml", "--strict").returncode, 0)
 
     def test_models_run_as_scenes_do(self):

@@ -183,8 +183,9 @@ class LockstepEngine final : public Engine, public BatchEngine {
   }
 
   /// Within a stage the order of elements may differ, if a later kernel of it sorts them. A difference counts
-  /// if it is there at the end of the stage, and one side has written the element in this stage: others are
-  /// what earlier steps have left in memory. It has the kernel after which its table differed first.
+  /// if it is there at the end of the stage, and in work memory if one side has written the element in it:
+  /// others are what earlier steps have left in memory. It has the kernel after which its table differed
+  /// first.
   void compare(bool stageEnds) {
     const HostTables &s = a_.engine->tablesNow(), &t = b_.engine->tablesNow();
     std::size_t number = 0;
@@ -197,9 +198,11 @@ class LockstepEngine final : public Engine, public BatchEngine {
       const std::string& kernel = firstKernel_.try_emplace(array.name, a_.kernel).first->second;
       if (!stageEnds) return;
       if (a_.left.empty() || b_.left.empty()) return;
+      const bool hasLeftovers = array.life == Lifetime::Work || isCountedInSteps(array.per);
       const std::span<const std::byte> ofA = a_.before(table), ofB = b_.before(table);
       for (std::size_t i = 0; i < n && difference_.empty(); ++i)
-        if (std::memcmp(p + i, q + i, sizeof(T)) != 0 && (!isLeft(ofA, i, p[i]) || !isLeft(ofB, i, q[i])))
+        if (std::memcmp(p + i, q + i, sizeof(T)) != 0 &&
+            (!hasLeftovers || !isLeft(ofA, i, p[i]) || !isLeft(ofB, i, q[i])))
           difference_ = place(kernel) + ", table " + array.name + ", element " + std::to_string(i);
     });
     if (!stageEnds) return;
