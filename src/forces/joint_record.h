@@ -34,6 +34,7 @@ class JointConstants {
     if (values_.size() == sizeof(T)) std::memcpy(static_cast<void*>(&constants), values_.data(), sizeof(T));
     return constants;
   }
+  std::vector<std::byte>& bytes() { return values_; }
 
  private:
   std::vector<std::byte> values_;

@@ -61,7 +61,7 @@ struct Decay {
   Real left;  ///< exp(-x)
   Real mean;  ///< (1 - exp(-x)) / x, 1 at x = 0
 };
-/// For x >= 0, within 1 ulp (float) and 100 ulp (double) of both.
+/// For x >= 0, within 1 ulp (float) and 500 ulp (double) of both.
 RUBBLE_HD inline Decay decayOver(Real x) {
   constexpr double kLargest = 1e3;  // exp(-x) is zero long before
   double part = min(static_cast<double>(x), kLargest);

@@ -35,7 +35,7 @@ template <class A> void fields(A& a, BodyDef& b) {
 }
 template <class A> void fields(A& a, JointAxis& x) {
   all(a, x.min, x.max, x.limitStiffness, x.limitDamping, x.targetPosition, x.targetSpeed, x.driveStiffness,
-      x.driveDamping, x.maxDriveForce, x.friction);
+      x.driveDamping, x.maxDriveForce, x.friction, x.armature, x.damping, x.motorForce);
 }
 template <class A> void fields(A& a, JointDef& j) {
   all(a, j.name, j.type, j.bodyA, j.bodyB, j.frameBodyA, j.frameBodyB, j.anchorA, j.anchorB, j.frameA,
@@ -82,7 +82,7 @@ template <class A> void fields(A& a, AttachmentDef& d) {
 template <class A> void fields(A& a, ShapeFrame& f) { all(a, f.center, f.axes); }
 template <class A> void fields(A& a, BodyRecord& r) { all(a, r.def, r.mass, r.frame, r.radius, r.joints); }
 template <class A> void fields(A& a, EngineGroup& g) { all(a, g.mode, g.stiffness, g.damping, g.bound); }
-template <class A> void fields(A& a, JointConstants& c) { a.raw(&c, sizeof c); }
+template <class A> void fields(A& a, JointConstants& c) { fields(a, c.bytes()); }
 template <class A> void fields(A& a, EngineJoint& j) {
   all(a, j.type, j.a, j.b, j.frameBodyA, j.frameBodyB, j.alive, j.isRigid, j.anchorA, j.anchorB, j.frameA,
       j.frameB, j.aToB, j.constants, j.groups, j.axes, j.breakForce, j.breakTorque, j.turned);

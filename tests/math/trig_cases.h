@@ -87,7 +87,7 @@ TEST(RUBBLE_TRIG_SUITE, SignedAnglesAreThoseOfVectorsOfAnyLengthAndDirection) {
 
 TEST(RUBBLE_TRIG_SUITE, DecayAgreesWithTheExponential) {
   test::Random random(10);
-  const long double units = sizeof(Real) == sizeof(float) ? 1 : 100;
+  const long double units = sizeof(Real) == sizeof(float) ? 1 : 500;
   for (int i = 0; i < 20000; ++i) {
     const Real x = static_cast<Real>(random.logUniform(1e-30, 80));
     const Decay got = decayOver(x);
