@@ -13,7 +13,7 @@ using namespace rubble;
 constexpr int kSamples = 81;
 constexpr double kSpacing = 1.5;
 
-double heightAt(double x, double y) { return .8 * std::sin(x / 7) * std::cos(y / 9); }
+double heightAt(double x, double y) { return 0.8 * std::sin(x / 7) * std::cos(y / 9); }
 
 Scene landscape() {
   Scene scene;
@@ -30,15 +30,15 @@ Scene landscape() {
 
   BodyDef chassis;
   chassis.name = "chassis";
-  chassis.shape = Shape::box({1.6, .7, .25});
+  chassis.shape = Shape::box({1.6, 0.7, 0.25});
   chassis.mass = 800;
   chassis.position = {-40, 0, heightAt(-40, 0) + 1.2};
   scene.bodies.push_back(chassis);
   for (int k = 0; k < 4; ++k) {
     const bool front = k < 2;
-    const Vec3 hub = chassis.position + Vec3{front ? 1.2 : -1.2, k % 2 ? .95 : -.95, -.45};
+    const Vec3 hub = chassis.position + Vec3{front ? 1.2 : -1.2, k % 2 ? 0.95 : -0.95, -0.45};
     BodyDef wheel;
-    wheel.shape = Shape::sphere(.35);
+    wheel.shape = Shape::sphere(0.35);
     wheel.mass = 20;
     wheel.position = hub;
     wheel.material = land.material;
@@ -50,7 +50,7 @@ Scene landscape() {
     joint.name = "wheel" + std::to_string(k);
     for (const int locked : {0, 1, 3, 5})
       joint.axes[std::size_t(locked)].min = joint.axes[std::size_t(locked)].max = 0;
-    joint.axes[2].min = -.15, joint.axes[2].max = .15;
+    joint.axes[2].min = -0.15, joint.axes[2].max = 0.15;
     joint.axes[2].driveStiffness = 20000, joint.axes[2].driveDamping = 2500;
     joint.axes[4].driveDamping = kHard, joint.axes[4].maxDriveForce = front ? 0 : 400;
     scene.joints.push_back(joint);
@@ -74,5 +74,5 @@ int main() {
   const BodyState state = world.state(chassis);
   std::printf("drove %.0f m, never tilted by more than %.0f degrees\n", state.position.x + 40,
               std::acos(lowest) * 57.2958);
-  return state.position.x > -10 && lowest > .7 ? 0 : 1;
+  return state.position.x > -10 && lowest > 0.7 ? 0 : 1;
 }

@@ -27,8 +27,8 @@ rubble::Scene heap() {
   scene.bodies[0].shape = rubble::Shape::plane();
   for (int i = 0; i < 60; ++i) {
     rubble::BodyDef body;
-    body.shape = i % 2 ? rubble::Shape::box({.3, .2, .2}) : rubble::Shape::sphere(.25);
-    body.position = {.1 * (i % 5), .13 * (i % 3), .5 + .5 * i};
+    body.shape = i % 2 ? rubble::Shape::box({0.3, 0.2, 0.2}) : rubble::Shape::sphere(0.25);
+    body.position = {0.1 * (i % 5), 0.13 * (i % 3), 0.5 + 0.5 * i};
     scene.bodies.push_back(body);
   }
   return scene;

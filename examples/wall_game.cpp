@@ -28,7 +28,7 @@ Scene level() {
   for (int row = 0; row < kHigh; ++row)
     for (int column = 0; column < kWide; ++column)
       scene.bodies.push_back(
-          bodyOf(kBrick, Shape::box({.15, .25, .15}), {8, .5 * column - 1.75, .15 + .3 * row}));
+          bodyOf(kBrick, Shape::box({0.15, 0.25, 0.15}), {8, 0.5 * column - 1.75, 0.15 + 0.3 * row}));
   for (int row = 0; row < kHigh; ++row)
     for (int column = 0; column < kWide; ++column) {
       const auto glue = [&](int other, const Vec3& half) {
@@ -38,15 +38,15 @@ Scene level() {
         joint.collide = true;
         scene.joints.push_back(joint);
       };
-      if (column + 1 < kWide) glue(brickAt(column + 1, row), {0, .25, 0});
-      if (row + 1 < kHigh) glue(brickAt(column, row + 1), {0, 0, .15});
+      if (column + 1 < kWide) glue(brickAt(column + 1, row), {0, 0.25, 0});
+      if (row + 1 < kHigh) glue(brickAt(column, row + 1), {0, 0, 0.15});
     }
   // the exit behind the wall reports who is in it
-  BodyDef exit = bodyOf(kExit, Shape::box({.5, 3, 1}), {11, 0, 1});
+  BodyDef exit = bodyOf(kExit, Shape::box({0.5, 3, 1}), {11, 0, 1});
   exit.motion = Motion::Static;
   exit.sensor = true;
   scene.bodies.push_back(exit);
-  BodyDef player = bodyOf(kPlayer, Shape::capsule(.3, .5), {0, 0, .8});
+  BodyDef player = bodyOf(kPlayer, Shape::capsule(0.3, 0.5), {0, 0, 0.8});
   player.name = "player";
   player.mass = 80;
   player.lockRotation = {true, true, true};
@@ -67,14 +67,14 @@ int main() {
   for (int step = 0; step < 1200 && !out; ++step) {
     // the player: walk to the wall, throw once per second while it stands, then walk on
     const BodyState state = world.state(player);
-    const RayHit ahead = world.castRay({state.position + Vec3{.5, 0, .2}, {1, 0, 0}, 4, {}});
+    const RayHit ahead = world.castRay({state.position + Vec3{0.5, 0, 0.2}, {1, 0, 0}, 4, {}});
     const bool blocked = ahead.hit && ahead.userData == kBrick;
     const double speed = state.position.x < 4 || !blocked ? 3 : 0;
     world.setVelocity(player, {speed, -state.position.y, state.velocity.z}, {});
     if (speed == 0 && step % 60 == 0) {
-      BodyDef ball = bodyOf(kBall, Shape::sphere(.15), state.position + Vec3{.6, 0, .3});
+      BodyDef ball = bodyOf(kBall, Shape::sphere(0.15), state.position + Vec3{0.6, 0, 0.3});
       ball.mass = 12;
-      ball.velocity = {18, .3 * (throws % 3 - 1), 1};
+      ball.velocity = {18, 0.3 * (throws % 3 - 1), 1};
       world.addBody(ball);
       ++throws;
     }

@@ -133,10 +133,11 @@ class Body(NamedElement):
         self._write("angular_velocity", value)
 
     def set(self, **values: Unpack[BodyFields]) -> None:
-        """Replaces fields of the definition from the next step on, with the keys of scene files: ``set(mass=5)``.
+        """Replaces fields of the definition from the next step on, with the keys of scene files:
+        ``set(mass=5)``.
 
-        Pose and velocities are kept, and so are contacts unless the shape changes. ``mass`` and ``density`` replace
-        each other.
+        Pose and velocities are kept, and so are contacts unless the shape changes. ``mass`` and ``density``
+        replace each other.
         """
         check(lib.rb_world_set_body(self._world._pointer, self._id, encode(values)))
 

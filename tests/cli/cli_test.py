@@ -142,11 +142,13 @@ class Usage(Case):
                 self.assertIn(word, script)
             if shutil.which(program):
                 subprocess.run([program, "-n"], input=script, text=True, check=True)
-        complete = ("source /dev/stdin; COMP_WORDS=(rubble {}); COMP_CWORD={}; _rubble; echo ${{COMPREPLY[@]}}")
+        complete = ("source /dev/stdin; COMP_WORDS=(rubble {}); COMP_CWORD={}; _rubble; "
+                    "echo ${{COMPREPLY[@]}}")
         script = self.rubble("completion", "bash").stdout
-        for words, count, wanted in [("com", 1, "compare"), ("info scen", 2, "scenes"), ("run --rec", 2, "--record-inputs"),
-                                     ("run tower-2", 2, "tower-20")]:
-            done = subprocess.run(["bash", "-c", complete.format(words, count)], input=script, text=True, capture_output=True)
+        for words, count, wanted in [("com", 1, "compare"), ("info scen", 2, "scenes"),
+                                     ("run --rec", 2, "--record-inputs"), ("run tower-2", 2, "tower-20")]:
+            done = subprocess.run(["bash", "-c", complete.format(words, count)], input=script, text=True,
+                                  capture_output=True)
             self.assertIn(wanted, done.stdout.split(), done.stderr)
         manual = self.rubble("man").stdout
         self.assertTrue(manual.startswith(".TH RUBBLE 1"))

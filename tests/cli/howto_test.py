@@ -29,11 +29,12 @@ class Film(unittest.TestCase):
                     continue
                 words = shlex.split(text)
                 self.assertEqual(words[0], "rubble")
-                done = subprocess.run([RUBBLE, *words[1:]], cwd=folder, capture_output=True, text=True, timeout=600)
+                done = subprocess.run([RUBBLE, *words[1:]], cwd=folder, capture_output=True, text=True,
+                                      timeout=600)
                 self.assertEqual(done.returncode, 0, done.stderr)
             pictures = sorted(os.listdir(folder))
             self.assertEqual(sum(name.startswith("flight_") for name in pictures), 16)
-            first, last = (pixels(os.path.join(folder, name)) for name in ("flight_0000.png", "flight_0015.png"))
+            first, last = (pixels(os.path.join(folder, f"flight_{frame}.png")) for frame in ("0000", "0015"))
             self.assertNotEqual(first, last, "the camera moves")
             depth = pathlib.Path(folder, "depth.npy").read_bytes()
             self.assertTrue(depth.startswith(b"\x93NUMPY") and b"(180, 320)" in depth[:128])

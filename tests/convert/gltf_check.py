@@ -1,5 +1,5 @@
-"""Binary glTF files that `rubble export` writes, against the rules of the glTF 2.0 specification that files can
-break: container, references, buffers, accessors and their bounds, hierarchy, animations, cameras.
+"""Binary glTF files that `rubble export` writes, against the rules of the glTF 2.0 specification that files
+can break: container, references, buffers, accessors and their bounds, hierarchy, animations, cameras.
 
 usage: gltf_check.py RUBBLE [FILE.glb...]"""
 import json
@@ -12,8 +12,8 @@ import tempfile
 
 COMPONENTS = {5120: ("b", 1), 5121: ("B", 1), 5122: ("h", 2), 5123: ("H", 2), 5125: ("I", 4), 5126: ("f", 4)}
 SIZES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-TOP = {"asset", "scene", "scenes", "nodes", "meshes", "materials", "accessors", "bufferViews", "buffers", "animations",
-       "cameras"}
+TOP = {"asset", "scene", "scenes", "nodes", "meshes", "materials", "accessors", "bufferViews", "buffers",
+       "animations", "cameras"}
 
 
 class Glb:
@@ -30,7 +30,8 @@ class Glb:
             chunks.append((kind, data[at + 8:at + 8 + size]))
             at += 8 + size
         self.want(at == len(data), "chunks end with the file")
-        self.want(chunks[0][0] == b"JSON" and chunks[0][1][-1:] in b" }", "JSON comes first, padded with spaces")
+        self.want(chunks[0][0] == b"JSON" and chunks[0][1][-1:] in b" }",
+                  "JSON comes first, padded with spaces")
         self.json = json.loads(chunks[0][1])
         self.want(len(chunks) == 2 and chunks[1][0] == b"BIN\0", "one binary chunk")
         self.binary = chunks[1][1]
@@ -67,7 +68,8 @@ class Glb:
             self.check_animation(animation)
         for camera in self.list("cameras"):
             lens = camera[camera["type"]]
-            self.want(0 < lens["yfov"] < math.pi and 0 < lens["znear"] < lens["zfar"], "a camera that can see")
+            sees = 0 < lens["yfov"] < math.pi and 0 < lens["znear"] < lens["zfar"]
+            self.want(sees, "a camera that can see")
 
     def check_buffers(self):
         buffers = self.list("buffers")
@@ -92,7 +94,8 @@ class Glb:
                 if key in accessor:
                     single = [struct.unpack("<f", struct.pack("<f", x))[0] for x in accessor[key]]
                     own = [choose(values[k::n]) for k in range(n)]
-                    self.want(single == own, f"accessors[{i}].{key} is that of its values: {accessor[key]}, {own}")
+                    self.want(single == own,
+                              f"accessors[{i}].{key} is that of its values: {accessor[key]}, {own}")
 
     def check_nodes(self):
         nodes, parents = self.list("nodes"), {}
@@ -109,7 +112,8 @@ class Glb:
                 norm = math.hypot(*node["rotation"])
                 self.want(abs(norm - 1) < 1e-5, f"nodes[{i}].rotation has length 1: {norm}")
             if "matrix" in node:
-                self.want(not {"translation", "rotation", "scale"} & set(node), f"nodes[{i}] has a matrix alone")
+                self.want(not {"translation", "rotation", "scale"} & set(node),
+                          f"nodes[{i}] has a matrix alone")
         for i in range(len(nodes)):
             at, steps = i, 0
             while at in parents and steps <= len(nodes):
@@ -123,7 +127,8 @@ class Glb:
         for i, mesh in enumerate(self.list("meshes")):
             for part in mesh["primitives"]:
                 points = self.index(part["attributes"]["POSITION"], "accessors", f"meshes[{i}] POSITION")
-                self.want(points["type"] == "VEC3" and "min" in points and "max" in points, f"meshes[{i}] has bounds")
+                self.want(points["type"] == "VEC3" and {"min", "max"} <= set(points),
+                          f"meshes[{i}] has bounds")
                 corners = self.index(part["indices"], "accessors", f"meshes[{i}] indices")
                 self.want(corners["type"] == "SCALAR" and corners["componentType"] in (5121, 5123, 5125),
                           f"meshes[{i}] indices are whole numbers")
@@ -147,11 +152,12 @@ class Glb:
             sampler = animation["samplers"][channel["sampler"]]
             times = self.index(sampler["input"], "accessors", "input")
             values = self.index(sampler["output"], "accessors", "output")
-            self.want(times["componentType"] == 5126 and "min" in times and "max" in times, "times have bounds")
+            self.want(times["componentType"] == 5126 and {"min", "max"} <= set(times), "times have bounds")
             moments = self.values(times)
             self.want(moments[0] >= 0 and all(a < b for a, b in zip(moments, moments[1:])), "times ascend")
             self.want(values["count"] == times["count"], "a value for each time")
-            self.want(values["type"] == ("VEC4" if target[1] == "rotation" else "VEC3"), f"values of {target[1]}")
+            kind = "VEC4" if target[1] == "rotation" else "VEC3"
+            self.want(values["type"] == kind, f"values of {target[1]}")
             if target[1] == "rotation":
                 q = self.values(values)
                 self.want(all(abs(math.hypot(*q[k:k + 4]) - 1) < 1e-4 for k in range(0, len(q), 4)),
@@ -176,8 +182,8 @@ def main():
             bad += len(glb.problems)
             for problem in glb.problems[:20]:
                 print(f"gltf_check: {file.name}: {problem}")
-            print(f"gltf_check: {file.name}: {len(glb.json['nodes'])} nodes, {len(glb.json['accessors'])} accessors, "
-                  f"{len(glb.problems)} problems")
+            print(f"gltf_check: {file.name}: {len(glb.json['nodes'])} nodes, "
+                  f"{len(glb.json['accessors'])} accessors, {len(glb.problems)} problems")
     return 1 if bad else 0
 
 

@@ -1,5 +1,5 @@
-"""USD imports against OpenUSD: masses, frames, joints, and text against crate files. Exit status 77 where Python
-has no pxr.
+"""USD imports against OpenUSD: masses, frames, joints, and text against crate files. Exit status 77 where
+Python has no pxr.
 
 usage: usd_oracle.py RUBBLE [MODEL...]"""
 import json
@@ -173,7 +173,8 @@ def compare_bodies(stage, scene, name):
         # OpenUSD computes in single precision
         check(f"{path} mass", own_mass, mass, mass, 2e-6)
         # the center is in the frame of the prim, with its scale
-        given = UsdPhysics.MassAPI(prim).GetCenterOfMassAttr().Get() if prim.HasAPI(UsdPhysics.MassAPI) else None
+        has_mass = prim.HasAPI(UsdPhysics.MassAPI)
+        given = UsdPhysics.MassAPI(prim).GetCenterOfMassAttr().Get() if has_mass else None
         if given is not None and np.all(np.isfinite(given)):
             check(f"{path} center", own_center, stage.point(prim, given))
         else:
@@ -220,8 +221,8 @@ def compare_joints(stage, scene, name):
                 turns = own["type"] == "hinge"
                 per = stage.kilograms * (stage.meters ** 2 * 180 / np.pi if turns else 1)
                 axis = own["axes"][0]
-                check(f"{path} stiffness", axis.get("drive_stiffness", 0), drive.stiffness * per, 1 + drive.stiffness)
-                check(f"{path} damping", axis.get("drive_damping", 0), drive.damping * per, 1 + drive.damping)
+                for name, wanted in (("stiffness", drive.stiffness), ("damping", drive.damping)):
+                    check(f"{path} {name}", axis.get(f"drive_{name}", 0), wanted * per, 1 + wanted)
 
 
 def main():

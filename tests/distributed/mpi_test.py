@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Runs of `rubble run` on the processes of mpirun: the hash of one engine, one writer of files, and an end within
-seconds if a process is killed. Arguments: the program, mpirun."""
+"""Runs of `rubble run` on the processes of mpirun: the hash of one engine, one writer of files, and an end
+within seconds if a process is killed. Arguments: the program, mpirun."""
 import json
 import os
 import pathlib
@@ -15,12 +15,12 @@ SCENE = ["run", "pile-1k", "-a", "levels=6", "-q"]
 
 
 def launch(count, arguments):
-    """The command line of so many processes. More of them than cores, and root in a container, are allowed."""
+    """The command line of so many processes, which may be more than cores, and of root in a container."""
     return [MPIRUN, "--oversubscribe", "--allow-run-as-root", "-n", str(count), RUBBLE, *arguments]
 
 
 def report(command):
-    """The JSON that a run prints; its exit status is the verdict of the scene, which is of no concern here."""
+    """The JSON that a run prints. Its exit status is the verdict of the scene, which does not matter."""
     done = subprocess.run([*command, "--hash", "--json", "-"], capture_output=True, text=True, timeout=300)
     assert done.stdout.count('"scene"') == 1, done.stdout + done.stderr
     return json.loads(done.stdout)

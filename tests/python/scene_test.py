@@ -63,7 +63,8 @@ class Scenes(Case):
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "arm.xml")
             with open(file, "w", encoding="utf-8") as out:
-                out.write("<mujoco><worldbody><body name='arm'><joint name='j' armature='0.5' springyield='1'/>"
+                out.write("<mujoco><worldbody><body name='arm'>"
+                          "<joint name='j' armature='0.5' springyield='1'/>"
                           "<geom size='0.1'/></body></worldbody></mujoco>")
             scene = rubble.load(file)
             self.assertEqual(scene.to_dict()["joints"][0]["axes"][0]["armature"], 0.5)
