@@ -126,9 +126,8 @@ class Runner {
   const Job& job() const { return job_; }
   StepReport step();  ///< events of this step, the driver, then one step
   RunResult run(int steps, const Observer& observer = {});
-  /// Continues from World::stateBytes() of a run of the same job: events of earlier steps happen at once.
-  /// Throws Error as World::setStateBytes().
-  void resume(std::span<const std::byte> state);
+  /// Continues from a snapshot of a run of the same job, after its events up to there.
+  void resume(const Snapshot& checkpoint);
   /// The world was set back to a snapshot that was taken between two steps: events from there on happen
   /// again.
   void rewound();

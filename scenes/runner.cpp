@@ -83,14 +83,11 @@ StepReport Runner::step() {
   return report;
 }
 
-void Runner::resume(std::span<const std::byte> state) {
-  const std::int64_t steps = stepsOfState(state);
+void Runner::resume(const Snapshot& checkpoint) {
   for (auto& probe : job_.probes) probe->start(world_);
   started_ = true;
-  const std::vector<Event>& events = job_.scene.events;
-  for (; nextEvent_ < events.size() && events[nextEvent_].step < steps; ++nextEvent_)
-    apply(world_, events[nextEvent_]);
-  world_.setStateBytes(state);
+  world_.restore(checkpoint);
+  rewound();
 }
 
 void Runner::rewound() {

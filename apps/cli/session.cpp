@@ -70,7 +70,7 @@ std::vector<std::byte> readBytes(const std::string& file) {
 /// Replaces the checkpoint, or leaves the one before. Without a file the state is gathered, as other ranks
 /// need it.
 void writeCheckpoint(const std::string& file, const World& world) {
-  const std::vector<std::byte> state = world.stateBytes();
+  const std::vector<std::byte> state = world.snapshot().bytes();
   if (file.empty()) return;
   io::OutputFile out(file);
   out.stream().write(reinterpret_cast<const char*>(state.data()), static_cast<std::streamsize>(state.size()));
@@ -81,7 +81,7 @@ void writeCheckpoint(const std::string& file, const World& world) {
 
 SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   scenes::Runner runner(std::move(prepared.job), prepared.world);
-  if (!options.resumeFile.empty()) runner.resume(readBytes(options.resumeFile));
+  if (!options.resumeFile.empty()) runner.resume(Snapshot::fromBytes(readBytes(options.resumeFile)));
   // steps are counted from the start of the run that the checkpoint is of
   const int taken = static_cast<int>(runner.world().stepCount());
   if (taken > 0 && taken >= prepared.steps)

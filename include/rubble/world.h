@@ -345,12 +345,6 @@ class World {
 
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
-  /// The state as bytes, for a file. It has no definitions.
-  std::vector<std::byte> stateBytes() const;
-  /// Takes the state of a world of the same scene after the same edits, with or without its steps. This world
-  /// then continues as that one would, bit for bit, on any number of ranks. Throws Error for bytes of another
-  /// world, precision or version, and for damaged ones.
-  void setStateBytes(std::span<const std::byte> bytes);
 
   /// lockstep only: the first difference found, or "".
   std::string firstDifference() const;
@@ -364,9 +358,6 @@ class World {
 
 /// Throws Error if parameters or the number of threads are invalid.
 void validate(const WorldOptions& options);
-
-/// Steps that the world of World::stateBytes() had taken. Throws Error for other bytes.
-std::int64_t stepsOfState(std::span<const std::byte> bytes);
 
 /// Backends of this build that this machine can run.
 std::vector<std::string> backends();

@@ -31,19 +31,11 @@ struct TetrahedronModel {
 
 namespace rubble::RUBBLE_CORE {
 
-/// Three vectors by index. Not an array: GCC 12 shifts the padding of a struct behind an array of more than
-/// 64 bytes, and tables are copied with their padding cleared (tables/clean_copy.h).
-struct ThreeVectors {
-  Vec3 first, second, third;
-  RUBBLE_HD Vec3& operator[](int k) { return k == 0 ? first : k == 1 ? second : third; }
-  RUBBLE_HD const Vec3& operator[](int k) const { return k == 0 ? first : k == 1 ? second : third; }
-};
-
 /// Material and rest shape. Any corner may be corner 0.
 struct NeoHookean {
   static constexpr int kCorners = 4;
 
-  ThreeVectors m;   ///< m_1, m_2, m_3; m_0 is minus their sum [1/m]
+  Vec3 m[3];        ///< m_1, m_2, m_3; m_0 is minus their sum [1/m]
   Real mu, lambda;  ///< Lame parameters times V [J]
   Real damper;      ///< V eta [J s]
 

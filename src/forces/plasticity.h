@@ -96,10 +96,10 @@ RUBBLE_HD inline void flow(Tetrahedron& e, const Vec3 (&x)[Tetrahedron::kCorners
   const Real share = (bound + e.hardening * strain) / q, lost = min(e.mu * i1 * strain / q, Real(1));
   const Upper3 r = triangularPart(f, det), u = returned(r, share, volumeKeeper(share, lost, i1, i2, det));
   NeoHookean flowed = e;
-  for (int k = 0; k < 3; ++k) flowed.m[k] = u.timesTransposed(r.solveTransposed(e.m[k]));
+  for (Vec3& m : flowed.m) m = u.timesTransposed(r.solveTransposed(m));
   // also false if not finite
   if (!(flowed.steepness() <= e.steepest)) return;
-  e.m = flowed.m;
+  for (int k = 0; k < 3; ++k) e.m[k] = flowed.m[k];
   e.plasticStrain += strain;
 }
 

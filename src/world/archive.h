@@ -1,7 +1,6 @@
 #pragma once
 /// Values to bytes and back, by one list of members for both directions: fields(archive, value) names them.
 #include <algorithm>
-#include <any>
 #include <array>
 #include <cstring>
 #include <map>
@@ -157,12 +156,6 @@ template <class A, class... T> void fields(A& a, std::variant<T...>& value) {
     if (index >= sizeof...(T)) throw cutShort();
   }
   std::visit([&](auto& own) { fields(a, own); }, value);
-}
-
-/// Members of a type that an extension adds are not known.
-template <class A> void fields(A&, std::any& own) {
-  if (own.has_value())
-    throw Error("snapshot", "joints and elements of types that Rubble has", "one of an extension");
 }
 
 }  // namespace rubble

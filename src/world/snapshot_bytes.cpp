@@ -1,4 +1,6 @@
 /// Snapshots as bytes: a header, the records of the world, and the state of the engine.
+#include <any>
+
 #include <rubble/info.h>
 #include <rubble/version.h>
 
@@ -36,6 +38,17 @@ template <class A> void fields(A& a, BodyDef& b) {
 template <class A> void fields(A& a, JointAxis& x) {
   all(a, x.min, x.max, x.limitStiffness, x.limitDamping, x.targetPosition, x.targetSpeed, x.driveStiffness,
       x.driveDamping, x.maxDriveForce, x.friction, x.armature, x.damping, x.motorForce);
+}
+/// Members of a type that has none in JointDef. Those that an extension adds are not known.
+template <class A> void fields(A& a, std::any& own) {
+  bool isTendon = own.type() == typeid(TendonFields);
+  if (own.has_value() && !isTendon)
+    throw Error("snapshot", "joints and elements of types that Rubble has", "one of an extension");
+  fields(a, isTendon);
+  if (!isTendon) return;
+  if constexpr (A::kReads) own = TendonFields{};
+  TendonFields& tendon = std::any_cast<TendonFields&>(own);
+  all(a, tendon.path, tendon.terms);
 }
 template <class A> void fields(A& a, JointDef& j) {
   all(a, j.name, j.type, j.bodyA, j.bodyB, j.frameBodyA, j.frameBodyB, j.anchorA, j.anchorB, j.frameA,

@@ -3,6 +3,7 @@
 
 #include <tbb/global_control.h>
 
+#include "tables/clean_copy.h"
 #include "tests/support/core_world.h"
 #include "tests/support/scenes.h"
 
@@ -108,6 +109,29 @@ class Lockstep : public ::testing::Test {
   EngineSettings settings_;
   int step_ = 0;
 };
+
+/// A compiler's fault: behind an array of more than 64 bytes members were cleared as padding.
+TEST(CleanCopy, ClearsPaddingAndNothingElse) {
+  struct Point {
+    double x, y, z;
+  };
+  struct Element {
+    Point point[3];
+    int head;
+    double tail[8];
+    char last;
+  } element;
+  std::memset(static_cast<void*>(&element), 0x5a, sizeof element);
+  std::vector<std::byte> copy(sizeof element);
+  copyClean(copy.data(), &element, sizeof element);
+#if defined(__has_builtin) && __has_builtin(__builtin_clear_padding)
+  for (std::size_t i = 0; i < sizeof element; ++i) {
+    const bool isPadding = (i >= offsetof(Element, head) + sizeof(int) && i < offsetof(Element, tail)) ||
+                           i > offsetof(Element, last);
+    EXPECT_EQ(copy[i], isPadding ? std::byte{0} : std::byte{0x5a}) << i;
+  }
+#endif
+}
 
 TEST_F(Lockstep, FindsNothingWhereThereIsNothing) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(step(), "");

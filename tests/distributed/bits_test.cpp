@@ -163,30 +163,17 @@ TEST(Ranks, KeepTheBitsThroughEdits) {
   EXPECT_EQ(one.hash(), team.hash());
 }
 
-TEST(Ranks, GoOnFromTheBytesOfAState) {
+TEST(Ranks, GoOnFromTheBytesOfASnapshot) {
   World whole(test::heap(4), test::options(4)), part(test::heap(4), onRanks(test::options(4), 3, 2));
   test::run(whole, 30), test::run(part, 20);
-  const std::vector<std::byte> state = part.stateBytes();
-  EXPECT_EQ(stepsOfState(state), 20);
+  const std::vector<std::byte> state = part.snapshot().bytes();
   for (const int ranks : {0, 2, 5}) {
     World rest(test::heap(4), ranks > 0 ? onRanks(test::options(4), ranks) : test::options(4));
-    rest.setStateBytes(state);
+    rest.restore(Snapshot::fromBytes(state));
     EXPECT_EQ(rest.stepCount(), 20);
     test::run(rest, 10);
     EXPECT_EQ(rest.hash(), whole.hash()) << ranks;
   }
-}
-
-TEST(Ranks, RefuseTheBytesOfAnotherWorldAndDamagedOnes) {
-  World world(test::heap(2), test::options(4)), other(test::heap(3), test::options(4)),
-      exact(test::heap(2), test::options(4, "reference"));
-  std::vector<std::byte> state = world.stateBytes();
-  EXPECT_THROW(other.setStateBytes(state), Error);
-  EXPECT_THROW(exact.setStateBytes(state), Error);
-  EXPECT_THROW(world.setStateBytes(std::span(state).first(state.size() - 1)), Error);
-  EXPECT_THROW(stepsOfState(std::span(state).first(20)), Error);
-  state[state.size() / 2] ^= std::byte{1};
-  EXPECT_THROW(world.setStateBytes(state), Error);
 }
 
 TEST(Ranks, TakeSnapshotsOfOneAnother) {

@@ -77,65 +77,67 @@ TEST(ThreadTransport, NamesAMessageOfAnotherLength) {
   EXPECT_EQ(failureOf([&] { b->exchange({}, {&receive, 1}); }), "rank 0 sent 3 bytes, rank 1 expected 4");
 }
 
-TEST(ThreadTransport, KeepsTheOrderOfMessagesAndOfRanks) {
-  constexpr int kRanks = 3, kRounds = 200;
-  ThreadHub hub(kRanks, 30);
+/// check(end, rank) in a thread for each rank; returns how many errors they count.
+template <class Check> int errorsOnRanks(int ranks, const Check& check) {
+  ThreadHub hub(ranks, 30);
   std::vector<std::jthread> threads;
   std::atomic<int> wrong = 0;
-  for (int r = 0; r < kRanks; ++r)
-    threads.emplace_back([&hub, &wrong, r] {
-      const auto end = hub.join(r);
-      for (int round = 0; round < kRounds; ++round) {
-        // blocks of different lengths, some of them empty
-        std::vector<std::size_t> sizes;
-        for (int k = 0; k < kRanks; ++k) sizes.push_back(static_cast<std::size_t>((round + k) % 4));
-        const std::vector<std::byte> own(sizes[static_cast<std::size_t>(r)], std::byte(round + r));
-        std::vector<std::byte> all(sizes[0] + sizes[1] + sizes[2]), expected;
-        for (int k = 0; k < kRanks; ++k)
-          expected.insert(expected.end(), sizes[static_cast<std::size_t>(k)], std::byte(round + k));
-        end->gather(own, all, sizes);
-        wrong += all != expected;
-      }
-    });
+  for (int r = 0; r < ranks; ++r) threads.emplace_back([&, r] { wrong += check(*hub.join(r), r); });
   threads.clear();
-  EXPECT_EQ(wrong, 0);
+  return wrong;
+}
+
+TEST(ThreadTransport, KeepsTheOrderOfMessagesAndOfRanks) {
+  constexpr int kRanks = 3, kRounds = 200;
+  const auto check = [](Transport& end, int r) {
+    int wrong = 0;
+    for (int round = 0; round < kRounds; ++round) {
+      // blocks of different lengths, some of them empty
+      std::vector<std::size_t> sizes;
+      for (int k = 0; k < kRanks; ++k) sizes.push_back(static_cast<std::size_t>((round + k) % 4));
+      const std::vector<std::byte> own(sizes[static_cast<std::size_t>(r)], std::byte(round + r));
+      std::vector<std::byte> all(sizes[0] + sizes[1] + sizes[2]), expected;
+      for (int k = 0; k < kRanks; ++k)
+        expected.insert(expected.end(), sizes[static_cast<std::size_t>(k)], std::byte(round + k));
+      end.gather(own, all, sizes);
+      wrong += all != expected;
+    }
+    return wrong;
+  };
+  EXPECT_EQ(errorsOnRanks(kRanks, check), 0);
 }
 
 /// Every rank asks for elements of the others, and receives these in the order in which it asked.
 TEST(RankCourier, BringsTheElementsThatWereAskedFor) {
   constexpr int kRanks = 3, kElements = 50;
-  ThreadHub hub(kRanks, 30);
-  std::vector<std::jthread> threads;
-  std::atomic<int> wrong = 0;
-  for (int r = 0; r < kRanks; ++r)
-    threads.emplace_back([&hub, &wrong, r] {
-      const auto end = hub.join(r);
-      RankCourier courier(*end);
-      // element i belongs to rank i % kRanks, where it is i and 2 i
-      std::vector<int> first(kElements, -1), small(kElements, 0);
-      std::vector<double> second(kElements, -1);
-      RankLists lists(kRanks);
-      for (int i = r; i < kElements; i += kRanks) first[std::size_t(i)] = i, second[std::size_t(i)] = 2 * i;
-      std::vector<RankLists> needs(2, RankLists(kRanks));
-      for (int i = 0; i < kElements; ++i) {
-        lists[std::size_t(i % kRanks)].push_back(i);
-        small[std::size_t(i)] = i % kRanks == r ? i % 16 : 0;
-        if (i % kRanks != r && i % (r + 2) == 0) needs[0][std::size_t(i % kRanks)].push_back(i);
-      }
-      const std::vector<RankTraffic> traffic = courier.ask(needs);
-      courier.swap(traffic[0], first.data(), second.data());
-      for (int i = 0; i < kElements; ++i) {
-        const bool has = i % kRanks == r || i % (r + 2) == 0;
-        wrong += first[std::size_t(i)] != (has ? i : -1) || second[std::size_t(i)] != (has ? 2 * i : -1);
-      }
-      courier.gather(lists, first.data(), second.data());
-      courier.gatherSmall<4>(small.data(), kElements, [](int i) { return i % kRanks; });
-      for (int i = 0; i < kElements; ++i)
-        wrong += first[std::size_t(i)] != i || second[std::size_t(i)] != 2 * i ||
-                 small[std::size_t(i)] != i % 16;
-    });
-  threads.clear();
-  EXPECT_EQ(wrong, 0);
+  const auto check = [](Transport& end, int r) {
+    int wrong = 0;
+    RankCourier courier(end);
+    // element i belongs to rank i % kRanks, where it is i and 2 i
+    std::vector<int> first(kElements, -1), small(kElements, 0);
+    std::vector<double> second(kElements, -1);
+    RankLists lists(kRanks);
+    for (int i = r; i < kElements; i += kRanks) first[std::size_t(i)] = i, second[std::size_t(i)] = 2 * i;
+    std::vector<RankLists> needs(2, RankLists(kRanks));
+    for (int i = 0; i < kElements; ++i) {
+      lists[std::size_t(i % kRanks)].push_back(i);
+      small[std::size_t(i)] = i % kRanks == r ? i % 16 : 0;
+      if (i % kRanks != r && i % (r + 2) == 0) needs[0][std::size_t(i % kRanks)].push_back(i);
+    }
+    const std::vector<RankTraffic> traffic = courier.ask(needs);
+    courier.swap(traffic[0], first.data(), second.data());
+    for (int i = 0; i < kElements; ++i) {
+      const bool has = i % kRanks == r || i % (r + 2) == 0;
+      wrong += first[std::size_t(i)] != (has ? i : -1) || second[std::size_t(i)] != (has ? 2 * i : -1);
+    }
+    courier.gather(lists, first.data(), second.data());
+    courier.gatherSmall<4>(small.data(), kElements, [](int i) { return i % kRanks; });
+    for (int i = 0; i < kElements; ++i)
+      wrong += first[std::size_t(i)] != i || second[std::size_t(i)] != 2 * i ||
+               small[std::size_t(i)] != i % 16;
+    return wrong;
+  };
+  EXPECT_EQ(errorsOnRanks(kRanks, check), 0);
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ TEST(Plasticity, StressComesBackToTheYieldStress) {
 TEST(Plasticity, VolumesStay) {
   forEachFlow([](const Clay& before, const Clay& after) {
     EXPECT_NEAR(ratioOf(after), ratioOf(before), 1e-10 * ratioOf(before));
-    const auto inverseVolume = [](const ThreeVectors& m) { return dot(m[0], cross(m[1], m[2])); };
+    const auto inverseVolume = [](const Vec3(&m)[3]) { return dot(m[0], cross(m[1], m[2])); };
     EXPECT_NEAR(inverseVolume(after.element.m), inverseVolume(before.element.m),
                 1e-9 * inverseVolume(before.element.m));
   });

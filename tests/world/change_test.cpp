@@ -304,6 +304,14 @@ Scene sceneOfAll() {
   for (int k = 0; k < 2; ++k) scene.bodies.push_back(test::body(hull, {5. + 2 * k, 0, 1}));
   scene.bodies.push_back(
       test::body(Shape::compound({{hull, {}, {}}, {Shape::sphere(.2), {1, 0, 0}, {}}}), {9, 0, 2}));
+  const int last = static_cast<int>(scene.bodies.size()) - 1;
+  JointDef hinge = jointAt(scene, JointType::Hinge, last, kWorld, {9, 0, 2});
+  hinge.axes[0].armature = 0.1, hinge.axes[0].damping = 0.2, hinge.axes[0].motorForce = 3;
+  JointDef tendon;
+  tendon.type = jointType("tendon"), tendon.bodyA = last - 1, tendon.bodyB = last - 2;
+  tendon.own = TendonFields{{0, 0, 0, 0, 1, 1, 0, 0, 0, 0}, {}};
+  tendon.axes[0].max = 1.5;
+  scene.joints = {hinge, jointAt(scene, JointType::SwingTwist, 3, 4, {0, 0, 3}), tendon};
   scene.deformables.emplace_back(clothSheet({-4, 0, 1}, {1, 0, 0}, {0, 1, 0}, 3, 3));
   scene.deformables.emplace_back(tetBox({-4, 4, .5}, {1, 1, 1}, {2, 2, 2}));
   AttachmentDef tie;
@@ -328,6 +336,9 @@ TEST(SnapshotBytes, ContinueBitForBitInAnotherWorld) {
     EXPECT_EQ(hashes(other, 20), onward) << backend;
     EXPECT_EQ(other.definition(other.findBody("named")).name, "named");
     EXPECT_EQ(other.userData(other.bodyAt(4)), 1234567890123456789u);
+    const auto turn = [](World& w) { w.setMotorForce(w.joints()[0], 0, -2); };
+    turn(other), turn(world);
+    EXPECT_EQ(other.definition(other.joints()[0]).axes[0].armature, 0.1);
     // ids go on as well
     EXPECT_EQ(other.addBody(test::unitCube({0, 0, 20})), world.addBody(test::unitCube({0, 0, 20})));
     EXPECT_EQ(hashes(other, 3), hashes(world, 3));
