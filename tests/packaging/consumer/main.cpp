@@ -9,8 +9,8 @@ int main() {
   scene.bodies.push_back(ground);
   for (int level = 0; level < 10; ++level) {
     rubble::BodyDef brick;  // 1000 kg/m3 and friction 0.6, unless said otherwise
-    brick.shape = rubble::Shape::box({.5, .25, .25});
-    brick.position = {.2 * (level % 2), 0, .25 + .5 * level};
+    brick.shape = rubble::Shape::box({0.5, 0.25, 0.25});
+    brick.position = {0.2 * (level % 2), 0, 0.25 + 0.5 * level};
     scene.bodies.push_back(brick);
   }
 
