@@ -35,9 +35,10 @@ function(rubble_precompile target)
   endif()
 endfunction()
 
-# Tests and commands wait for the engine, whose own objects are optimised: theirs compile in two thirds of the time without.
+# What waits for the engine, whose own objects are optimised, compiles in two thirds of the time without; with sanitizers in half.
 function(rubble_compile_quickly target)
-  target_compile_options(${target} PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>)
+  target_compile_options(${target} PRIVATE
+    $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1> $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Sanitize>>:-O0>)
 endfunction()
 
 add_library(rubble_warnings INTERFACE)

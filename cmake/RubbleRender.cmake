@@ -49,6 +49,7 @@ std::string shaderText(const std::string& file) {
 ")
 
 add_library(rubble_render STATIC ${render_sources} ${render_headers} ${rubble_generated_dir}/shader_text.cpp)
+set_target_properties(rubble_render PROPERTIES EXCLUDE_FROM_ALL ON)  # built where a program or a test needs it
 target_include_directories(rubble_render PUBLIC ${PROJECT_SOURCE_DIR} PRIVATE ${PROJECT_SOURCE_DIR}/src)
 target_link_libraries(rubble_render PUBLIC rubble_io rubble_scenes PRIVATE rubble_warnings TBB::tbb)
 if(rubble_gl)

@@ -60,7 +60,8 @@ if(RUBBLE_CHECKS)
     set_tests_properties(check.fuzz PROPERTIES RUN_SERIAL ON TIMEOUT 7200)
   endif()
   cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
-  rubble_add_build(sanitize ${CMAKE_CTEST_COMMAND} --test-dir build/sanitize --output-on-failure --parallel ${cores})
+  rubble_add_build(sanitize ${CMAKE_CTEST_COMMAND} --test-dir build/sanitize --output-on-failure --parallel ${cores}
+    --label-exclude "^long$")
 
   # A GPU that works: its tests run in the build that has the CUDA backend.
   find_program(RUBBLE_NVIDIA_SMI nvidia-smi)
@@ -75,7 +76,7 @@ endif()
 
 # Other versions of the program lay out some lines in another way.
 find_program(clang_format clang-format)
-if(clang_format)
+if(clang_format AND RUBBLE_CHECKS)
   execute_process(COMMAND ${clang_format} --version OUTPUT_VARIABLE clang_format_version)
   if(clang_format_version MATCHES "version 14\\.")
     rubble_add_check(layout checks ./dev format --check)

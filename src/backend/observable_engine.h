@@ -99,10 +99,10 @@ inline std::size_t elementsWritten(const HostTables& tables, Per per) {
 class MostWritten {
  public:
   /// Of a table by its number, now. No table has less room than before.
-  std::size_t of(const HostTables& tables, Per per, std::size_t number) {
+  template <class T> std::size_t of(const HostTables& tables, const ArrayInfo<T>& array, std::size_t number) {
     if (number >= most_.size()) most_.resize(number + 1);
-    const auto room = static_cast<std::size_t>(tables.capacity(per));
-    return most_[number] = std::min(room, std::max(most_[number], elementsWritten(tables, per) + 1));
+    const auto room = static_cast<std::size_t>(tables.room(array));
+    return most_[number] = std::min(room, std::max(most_[number], elementsWritten(tables, array.per) + 1));
   }
 
  private:

@@ -26,6 +26,10 @@ template <class Memory> class SolverTables {
   SolverData& view() { return view_; }
   const SolverData& view() const { return view_; }
   int capacity(Per per) const { return capacity_[static_cast<int>(per)]; }
+  /// Elements that the memory of a table holds: of contact rows, as many as the manifolds that they alias.
+  template <class T> int room(const ArrayInfo<T>& array) const {
+    return capacity(array.aliases ? Per::ActivePair : array.per);
+  }
 
   /// Grows the arrays of a kind to at least `count` elements, by half more, so that repeated growth stays
   /// cheap.

@@ -69,7 +69,7 @@ const HostTables& CudaEngine::tablesNow() {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     // rows have memory of their own here
     if constexpr (std::is_same_v<T, ContactRows>) to.contact = seenRows_.data();
-    copy(to.*array.member, device.*array.member, sizeof(T) * seenMost_.of(*seen_, array.per, number++));
+    copy(to.*array.member, device.*array.member, sizeof(T) * seenMost_.of(*seen_, array, number++));
   });
   return *seen_;
 }

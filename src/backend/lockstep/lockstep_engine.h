@@ -107,7 +107,7 @@ class LockstepEngine final : public Engine, public BatchEngine {
         std::size_t size = 0;
         ends.clear();
         forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-          const std::size_t elements = most.of(tables, array.per, ends.size());
+          const std::size_t elements = most.of(tables, array, ends.size());
           ends.push_back(size += tables.view().*array.member ? elements * sizeof(T) : 0);
         });
         left.resize(size);
