@@ -102,6 +102,7 @@ std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies,
                                            std::span<const ReadyBody> ready) {
   TableAdditions tables(registry);
   std::vector<std::pair<int, int>> entries;  // base of the shape, surface
+  entries.reserve(bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const int base = tables.placeShape(bodies[k].shape, ready[k].cooked);
     entries.emplace_back(base, tables.surfaceOf(bodies[k].material));
@@ -110,6 +111,7 @@ std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies,
   std::vector<BodyId> ids;
   std::vector<BodyRecord> records;
   std::vector<int> planes = registry.planes;
+  edits.reserve(edits.size() + bodies.size()), ids.reserve(bodies.size()), records.reserve(bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const BodyId id = registry.bodies.next(static_cast<int>(k));
     const CookedShape& cooked = *ready[k].cooked;
