@@ -266,6 +266,32 @@ TEST(Mjcf, ASpatialTendonHasItsLimitsSpringAndMotor) {
   EXPECT_DOUBLE_EQ(joint.axes[0].damping, 3);
 }
 
+TEST(Mjcf, TendonsWrapSpheresAndCylindersOfTheirBodies) {
+  const auto model = [](const std::string& path) {
+    return importText(
+        mjcf("<site name='s' pos='-2 0 1'/><site name='inner' pos='0 0 .1'/><body name='a'>"
+             "<joint name='j'/><geom size='.1' pos='0 0 -1'/><site name='t' pos='2 0 1'/>"
+             "<geom name='ball' pos='0 0 .8' size='.5'/>"
+             "<geom name='pin' type='cylinder' pos='0 0 .8' size='.5 1' euler='90 0 0'/></body>",
+             "<tendon><spatial name='rope' stiffness='1'><site site='s'/>" + path + "</spatial></tendon>"));
+  };
+  // tangents to a circle of 0.5 m from points 2 m beside and 0.2 m above its center
+  const double far = std::hypot(2, .2), turn = std::acos((.04 - 4) / (far * far)) - 2 * std::acos(.5 / far);
+  const double around = 2 * std::sqrt(far * far - .25) + .5 * turn;
+  for (const char* geom : {"ball", "pin"}) {
+    const Import wrapped = model("<geom geom='" + std::string(geom) + "'/><site site='t'/>");
+    const JointDef& joint = jointNamed(wrapped, "rope");
+    EXPECT_NEAR(joint.axes[0].targetPosition, around, 1e-9);
+    const auto& wraps = std::any_cast<const TendonFields&>(joint.own).wraps;
+    ASSERT_EQ(wraps.size(), 13u);
+    EXPECT_NEAR(std::fabs(wraps[6]), geom[0] == 'p' ? 1 : 0, 1e-12);
+    EXPECT_EQ(wrapped.report.count(Effect::Lost), 0u);
+  }
+  EXPECT_THROW(model("<geom geom='ball'/>"), Error);
+  EXPECT_THROW(model("<geom geom='ball'/><geom geom='pin'/><site site='t'/>"), Error);
+  EXPECT_THROW(model("<geom geom='none'/><site site='t'/>"), Error);
+}
+
 TEST(Mjcf, FlexcompsAreCablesClothAndSolidsOfTheirMass) {
   for (const int dimension : {1, 2, 3}) {
     const std::string count = dimension == 1 ? "5 1 1" : dimension == 2 ? "5 4 1" : "5 4 3";
