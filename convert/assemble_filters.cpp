@@ -17,19 +17,37 @@ using Class = std::set<Contact>;
 bool collide(const Class& a, const Class& b) {
   for (const Contact& i : a)
     for (const Contact& j : b)
-      if ((i.type & j.affinity) != 0 || (j.type & i.affinity) != 0) return true;
+      if ((i.type & j.affinity) != 0 || (j.type & i.affinity) != 0 || (i.pairs & j.pairs) != 0) return true;
   return false;
+}
+
+Class classOf(const std::vector<Contact>& contacts, bool withPairs) {
+  Class out;
+  for (Contact each : contacts) {
+    if (!withPairs) each.pairs = 0;
+    out.insert(each);
+  }
+  return out;
 }
 
 void addLayers(const Layout& layout, Scene& scene, Report& report) {
   std::map<Class, std::uint32_t> layerOf;
-  bool mixed = false;
-  for (const std::vector<Contact>& contacts : layout.contactsOf) {
-    const Class own(contacts.begin(), contacts.end());
-    mixed = mixed || own.size() > 1;
-    if (!own.empty()) layerOf.try_emplace(own, static_cast<std::uint32_t>(layerOf.size()));
-  }
+  bool mixed = false, withPairs = true;
   const Place place{report.file, 1};
+  const auto count = [&] {
+    layerOf.clear();
+    for (const std::vector<Contact>& contacts : layout.contactsOf) {
+      const Class own = classOf(contacts, withPairs);
+      mixed = mixed || classOf(contacts, false).size() > 1;
+      if (!own.empty()) layerOf.try_emplace(own, static_cast<std::uint32_t>(layerOf.size()));
+    }
+  };
+  count();
+  if (layerOf.size() > kLayers) {
+    withPairs = false, count();
+    if (layerOf.size() <= kLayers)
+      report.note(Effect::Lost, place, "pair", "pairs, which make more than 32 combinations of masks");
+  }
   if (mixed)
     report.note(Effect::Approximate, place, "contype, conaffinity",
                 "a body collides with all of its geoms if it does with one of them");
@@ -42,7 +60,7 @@ void addLayers(const Layout& layout, Scene& scene, Report& report) {
   const Class& first = layerOf.begin()->first;
   if (layerOf.size() == 1 && collide(first, first)) return;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    const Class own(layout.contactsOf[i].begin(), layout.contactsOf[i].end());
+    const Class own = classOf(layout.contactsOf[i], withPairs);
     if (own.empty()) continue;
     CollisionFilter& filter = scene.bodies[i].filter;
     filter.layers = 1u << layerOf.at(own), filter.mask = 0;

@@ -16,6 +16,14 @@ class TendonBuilder {
     const Vec3 at = poseInBody(layout_, point.link) * point.at;
     path_.push_back({bodyIndex(layout_, point.link), at, point.weight});
   }
+  void addWrap(const Tendon::Wrap& wrap) {
+    const Pose pose = poseInBody(layout_, wrap.link);
+    Tendon::Wrap own = wrap;
+    own.link = bodyIndex(layout_, wrap.link);
+    own.center = pose * wrap.center, own.axis = rotate(pose.q, wrap.axis);
+    if (own.guide) own.guide = rotate(pose.q, *wrap.guide);
+    wraps_.push_back(own);
+  }
   /// f(q) = sum c_i q^i, q measured from the beginning.
   void addTerm(const std::pair<int, int>& at, const std::array<double, 4>& c) {
     const Link& link = model_.links[static_cast<std::size_t>(at.first)];
@@ -25,9 +33,11 @@ class TendonBuilder {
 
   /// Why it cannot be a joint; empty if it can.
   std::string build(JointDef& out) {
-    if (path_.size() > kMostPoints) return "a path of more than 8 points";
+    if (path_.size() > kMostPoints) return "a path of more than 12 points";
+    if (wraps_.size() > kMostWraps) return "a path around more than four geoms";
     if (terms_.size() > kMostTerms) return "a sum of more than three joints";
     for (const Point& point : path_) sideOf(point.body);
+    for (const Tendon::Wrap& wrap : wraps_) sideOf(wrap.link);
     for (const Term& term : terms_) sideOf(term.body), sideOf(term.frame);
     if (sides_.size() > 4 || bodies_ > 4 || bodies_ == 0) return "its bodies are not one to four";
     // A is a body; the world is a frame body
@@ -41,6 +51,13 @@ class TendonBuilder {
     TendonFields fields;
     for (const Point& p : path_)
       fields.path.insert(fields.path.end(), {number(p.body), p.at.x, p.at.y, p.at.z, p.weight});
+    for (const Tendon::Wrap& wrap : wraps_) {
+      const Vec3 guide = wrap.guide.value_or(Vec3{});
+      fields.wraps.insert(fields.wraps.end(),
+                          {static_cast<double>(wrap.point), number(wrap.link), wrap.center.x, wrap.center.y,
+                           wrap.center.z, wrap.axis.x, wrap.axis.y, wrap.axis.z, wrap.radius,
+                           wrap.guide ? 1. : 0., guide.x, guide.y, guide.z});
+    }
     for (const Term& term : terms_) {
       const Dof& dof = *term.dof;
       fields.terms.insert(fields.terms.end(),
@@ -53,7 +70,7 @@ class TendonBuilder {
   }
 
  private:
-  static constexpr std::size_t kMostPoints = 8, kMostTerms = 3;
+  static constexpr std::size_t kMostPoints = 12, kMostTerms = 3, kMostWraps = 4;
   struct Point {
     int body;
     Vec3 at;
@@ -78,6 +95,7 @@ class TendonBuilder {
   const Layout& layout_;
   std::vector<Point> path_;
   std::vector<Term> terms_;
+  std::vector<Tendon::Wrap> wraps_;
   std::vector<int> sides_;
   int bodies_ = 0;
 };
@@ -96,6 +114,7 @@ std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const
     return std::nullopt;
   };
   for (const Tendon::Point& point : tendon.path) builder.addPoint(point);
+  for (const Tendon::Wrap& wrap : tendon.wraps) builder.addWrap(wrap);
   double start = 0;  // of the sum, where the joint has 0
   for (const Tendon::Term& term : tendon.terms) {
     const Dof& dof = dofAt(model, term.dof);

@@ -26,10 +26,29 @@ Vec3 surfaceCentroid(const TriangleMesh& mesh) {
   return area > 0 ? sum / area : Vec3{};
 }
 
+/// Integrals over the surface.
+SolidSums shellOf(const TriangleMesh& mesh) {
+  SolidSums sums;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 v[3] = {corner(mesh, t, 0), corner(mesh, t, 1), corner(mesh, t, 2)}, all = v[0] + v[1] + v[2];
+    const double area = length(cross(v[1] - v[0], v[2] - v[0])) / 2;
+    SolidSums own{area, all * (area / 3), {}};
+    constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+    for (std::size_t k = 0; k < 6; ++k) {
+      const int i = kPairs[k][0], j = kPairs[k][1];
+      own.second[k] = area / 12 *
+                      (all[i] * all[j] + v[0][i] * v[0][j] + v[1][i] * v[1][j] + v[2][i] * v[2][j]);
+    }
+    sums += own;
+  }
+  return sums;
+}
+
 }  // namespace
 
 SolidSums massOf(const TriangleMesh& mesh, MeshMass kind, const std::string& path) {
   if (kind == MeshMass::Convex) return massOf(hullOf(mesh.vertices, path), MeshMass::Exact, path);
+  if (kind == MeshMass::Shell) return shellOf(mesh);
   const Vec3 center = surfaceCentroid(mesh);
   SolidSums sums;
   for (const Triangle& t : mesh.triangles) {

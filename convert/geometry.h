@@ -15,6 +15,7 @@ enum class MeshMass {
   Exact,   ///< inside of its surface
   Legacy,  ///< sum of the cones from its triangles to their centroid (default of MuJoCo)
   Convex,  ///< its convex hull
+  Shell,   ///< its surface: "volume" is the area
 };
 /// At density 1.
 SolidSums massOf(const TriangleMesh& mesh, MeshMass kind, const std::string& path);

@@ -35,6 +35,14 @@ Model modelOf(const std::string& bytes, const std::string& file, bool isUsd, Fol
   return isUsd ? readUsd(bytes, file, folders, report) : readGltf(bytes, file, folders, report);
 }
 
+/// It looks at the plane, square to its direction, that the middle of the bodies is in.
+io::FileCamera cameraOf(const Pose& pose, const Scene& scene) {
+  const Vec3 ahead = rotate(pose.q, Vec3{0, 0, -1});
+  Vec3 middle;
+  for (const BodyDef& body : scene.bodies) middle += body.position / static_cast<double>(scene.bodies.size());
+  return {pose.p, pose.p + std::max(dot(middle - pose.p, ahead), 1.) * ahead};
+}
+
 Import finished(const Model& model, Report report) {
   Import out;
   out.report = std::move(report);
@@ -43,6 +51,7 @@ Import finished(const Model& model, Report report) {
   out.file.dt = model.timeStep.value_or(kDt);
   out.file.steps = static_cast<int>(std::clamp(std::ceil(kSeconds / out.file.dt - 1e-9), 1., 1e7));
   out.file.iterations = kIterations;
+  if (model.camera) out.file.camera = cameraOf(*model.camera, out.file.scene);
   validate(out.file.scene);
   return out;
 }
@@ -76,7 +85,8 @@ Import importContent(const std::string& content, const std::string& name, const 
   Folders none;
   Report report;
   report.file = name;
-  const bool isUsd = content.starts_with("#usda") || content.starts_with("PXR-USDC");
+  const bool isUsd = content.starts_with("#usda") || content.starts_with("PXR-USDC") ||
+                     usd::isPackage(content);
   Model model;
   if (isUsd || content.starts_with("{") || content.starts_with("glTF")) {
     model = modelOf(content, name, isUsd, none, report);

@@ -44,6 +44,7 @@ void MjcfReader::readAssets(pugi::xml_node node) {
     const std::string_view type = child.name();
     if (type == "mesh") readMesh(tagOf(child));
     if (type == "hfield") readHeightField(tagOf(child));
+    if (type == "model") readModel(Tag(source_, child));
   }
 }
 
@@ -52,6 +53,14 @@ std::filesystem::path MjcfReader::assetFile(const Tag& tag, const std::string& f
   if (compiler_.stripPath) name = std::filesystem::path(name).filename().string();
   const std::filesystem::path base = source_.home() / (folder.empty() ? compiler_.assetFolder : folder);
   return source_.folders().find(base, name, tag.path("file"));
+}
+
+void MjcfReader::readModel(const Tag& tag) {
+  const std::filesystem::path file = source_.folders().find(source_.home(), tag.need("file"),
+                                                            tag.path("file"));
+  const std::string name = tag.name().empty() ? file.stem().string() : tag.name();
+  if (!attached_.emplace(name, file).second)
+    tag.fail("name", "a name that no other model has", "\"" + name + "\"");
 }
 
 void MjcfReader::readMesh(const Tag& tag) {
@@ -99,11 +108,7 @@ void MjcfReader::readMesh(const Tag& tag) {
     for (std::array<int, 3>& t : mesh.triangles) std::swap(t[1], t[2]);
   if (mesh.triangles.empty()) mesh = hullOf(mesh.vertices, tag.path("vertex"));
   const std::size_t kind = tag.choice("inertia", {"exact", "legacy", "convex", "shell"}, 1);
-  asset.mass = static_cast<MeshMass>(std::min<std::size_t>(kind, 2));
-  if (kind == 3) {
-    report_.note(Effect::Lost, tag.place(), "mesh.inertia", "mass is in the solid and not on the surface");
-    asset.mass = MeshMass::Exact;
-  }
+  asset.mass = static_cast<MeshMass>(kind);
   meshes_.emplace(name, std::move(asset));
 }
 

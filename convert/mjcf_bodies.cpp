@@ -42,6 +42,12 @@ void MjcfReader::readChildren(pugi::xml_node node, const MjcfScope& scope) {
     if (type == "geom") readGeom(tagOf(child, scope.childClass), scope);
     if (type == "joint") readJoint(tagOf(child, scope.childClass), scope);
     if (type == "freejoint") readJoint(Tag(source_, child), scope);
+    if (type == "attach") readAttach(Tag(source_, child), scope);
+    if (type == "camera" && !model_.camera) {
+      const Tag tag = tagOf(child, scope.childClass);
+      model_.camera = referencePose(scope.link) * (scope.pose * poseOf(tag));
+      report_.converted(tag.place(), tag.describe(), "camera");
+    }
     if (type == "flexcomp") readFlexcomp(Tag(source_, child), scope);
     if (type == "site") {
       const Tag tag = tagOf(child, scope.childClass);

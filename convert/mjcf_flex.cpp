@@ -14,7 +14,8 @@ constexpr int kMostPoints = 200000;
 
 struct FlexMesh {
   std::vector<Vec3> points;
-  std::vector<int> corners;  ///< dimension + 1 for each element
+  std::vector<int> corners;            ///< dimension + 1 for each element
+  std::array<int, 3> counts{0, 1, 1};  ///< of a grid
 };
 
 /// Points of a grid, z fastest, and its elements.
@@ -34,6 +35,7 @@ FlexMesh gridOf(const Tag& tag, int dimension) {
   }
   if (all > kMostPoints) tag.fail("count", "at most 200000 points", std::to_string(all));
   FlexMesh out;
+  out.counts = {n[0], n[1], n[2]};
   const auto at = [&](int x, int y, int z) { return (x * n[1] + y) * n[2] + z; };
   for (int x = 0; x < n[0]; ++x)
     for (int y = 0; y < n[1]; ++y)
@@ -68,6 +70,41 @@ FlexMesh gridOf(const Tag& tag, int dimension) {
 double volumeOf(const FlexMesh& mesh, std::size_t at) {
   const auto p = [&](std::size_t k) { return mesh.points[static_cast<std::size_t>(mesh.corners[at + k])]; };
   return dot(cross(p(1) - p(0), p(2) - p(0)), p(3) - p(0)) / 6;
+}
+
+/// Pins by ranges of indices, by places of the grid and by ranges of these; ends are included.
+void addPins(const Tag& tag, const FlexMesh& mesh, int dimension, std::set<int>& pins) {
+  const auto each = static_cast<std::size_t>(dimension);
+  const auto whole = [&](const char* key, double value, int count) {
+    if (!(value >= 0 && value < count) || value != std::floor(value))
+      tag.fail(key, "whole numbers below " + std::to_string(count), std::to_string(value));
+    return static_cast<int>(value);
+  };
+  const auto lists = [&](const char* key, std::size_t size) {
+    auto list = tag.numbers(key, 0, kMostPoints).value_or(std::vector<double>{});
+    if (list.size() % size != 0)
+      tag.fail(key, std::to_string(size) + " numbers for each", std::to_string(list.size()));
+    if (!list.empty() && key[0] == 'g' && mesh.counts[0] == 0)
+      tag.fail(key, "places in an object of the type grid", "another type");
+    return list;
+  };
+  const auto addBox = [&](const char* key, const double* low, const double* high) {
+    int from[3] = {}, to[3] = {};
+    for (std::size_t k = 0; k < each; ++k)
+      from[k] = whole(key, low[k], mesh.counts[k]), to[k] = whole(key, high[k], mesh.counts[k]);
+    for (int x = from[0]; x <= to[0]; ++x)
+      for (int y = from[1]; y <= to[1]; ++y)
+        for (int z = from[2]; z <= to[2]; ++z) pins.insert((x * mesh.counts[1] + y) * mesh.counts[2] + z);
+  };
+  const int points = static_cast<int>(mesh.points.size());
+  const std::vector<double> ranges = lists("range", 2), places = lists("grid", each),
+                            boxes = lists("gridrange", 2 * each);
+  for (std::size_t i = 0; i < ranges.size(); i += 2)
+    for (int k = whole("range", ranges[i], points), last = whole("range", ranges[i + 1], points); k <= last;
+         ++k)
+      pins.insert(k);
+  for (std::size_t i = 0; i < places.size(); i += each) addBox("grid", &places[i], &places[i]);
+  for (std::size_t i = 0; i < boxes.size(); i += 2 * each) addBox("gridrange", &boxes[i], &boxes[i + each]);
 }
 
 }  // namespace
@@ -137,8 +174,7 @@ void MjcfReader::readFlexcomp(const Tag& tag, const MjcfScope& scope) {
           part.fail("id", "indices of points", std::to_string(v));
         pins.insert(static_cast<int>(v));
       }
-      if (part.has("grid") || part.has("range") || part.has("gridrange"))
-        report_.note(Effect::Lost, part.place(), "pin", "pins by range or place; give their indices");
+      addPins(part, mesh, dimension, pins);
     } else if (part.type() == "contact") {
       source_.use(child);
       report_.note(Effect::Approximate, part.place(), "flexcomp.contact", "contacts have the usual friction");

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "convert/mjcf_reader.h"
 #include "convert/rotations.h"
@@ -36,6 +37,35 @@ std::vector<double> spanned(const Tag& tag, const std::string& type, std::vector
   return {size[0], half};
 }
 
+/// Integrals over the surface of a primitive; false for others.
+bool shellOf(const std::string& type, const Shape& shape, SolidSums& out) {
+  const double r = shape.radius, h = shape.halfLength, pi = std::numbers::pi;
+  double area = 0, x = 0, y = 0, z = 0;
+  const auto add = [&](double own, double xx, double yy, double zz) {
+    area += own, x += own * xx, y += own * yy, z += own * zz;
+  };
+  if (type == "box") {
+    const Vec3 e = shape.halfExtents;
+    for (int k = 0; k < 3; ++k) {
+      Vec3 square = mul(e, e) / 3;
+      square[k] *= 3;
+      add(8 * e[(k + 1) % 3] * e[(k + 2) % 3], square.x, square.y, square.z);
+    }
+  } else if (type == "sphere") {
+    add(4 * pi * r * r, r * r / 3, r * r / 3, r * r / 3);
+  } else if (type == "cylinder" || type == "capsule") {
+    add(4 * pi * r * h, r * r / 2, r * r / 2, h * h / 3);
+    if (type == "cylinder")
+      add(2 * pi * r * r, r * r / 4, r * r / 4, h * h);
+    else
+      add(4 * pi * r * r, r * r / 3, r * r / 3, h * h + h * r + r * r / 3);
+  } else {
+    return false;
+  }
+  out = {area, {}, {x, y, z, 0, 0, 0}};
+  return true;
+}
+
 }  // namespace
 
 void MjcfReader::readGeom(const Tag& tag, const MjcfScope& scope) {
@@ -53,19 +83,22 @@ void MjcfReader::readGeom(const Tag& tag, const MjcfScope& scope) {
   SolidSums solid;
   if (!shapeOf(tag, type, geom, solid)) return;
   geom.pose = scope.pose * geom.pose;
+  if (!geom.name.empty() && (type == "sphere" || type == "cylinder"))
+    rounds_[geom.name] = {scope.link, geom.pose, geom.shape.radius, type == "cylinder"};
   const double group = tag.number("group", 0);
   const std::optional<double> mass = tag.number("mass");
   const double density = tag.number("density", 1000);
   if (mass.value_or(0) < 0) tag.fail("mass", "a mass of at least 0 [kg]", std::to_string(*mass));
   if (density < 0) tag.fail("density", "a density of at least 0 [kg/m3]", std::to_string(density));
   const bool shell = tag.flag("shellinertia", false);
+  if (shell && !shellOf(type, geom.shape, solid))
+    report_.note(Effect::Lost, tag.place(), "geom.shellinertia",
+                 "mass is in the solid and not on the surface");
   if (solid.volume > 0 && group >= compiler_.inertiaGroups[0] && group <= compiler_.inertiaGroups[1]) {
     const double factor = mass ? *mass / solid.volume : density;
-    if (shell && factor > 0)
-      report_.note(Effect::Lost, tag.place(), "geom.shellinertia",
-                   "mass is in the solid and not on the surface");
     geomMass_[static_cast<std::size_t>(scope.link)] += placed(solid, geom.pose.p, geom.pose.q, factor);
   }
+  if (!geom.name.empty()) geoms_[geom.name] = {scope.link, static_cast<int>(link(scope.link).geoms.size())};
   link(scope.link).geoms.push_back(std::move(geom));
 }
 

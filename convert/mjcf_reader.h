@@ -52,6 +52,14 @@ struct MjcfSite {
   Pose pose;
 };
 
+/// A sphere or cylinder that tendons may wrap.
+struct MjcfRound {
+  int link;
+  Pose pose;
+  double radius;
+  bool isCylinder;
+};
+
 /// Force of an actuator per unit gear: constant, by length and by speed.
 struct MjcfLaw {
   double constant = 0, byLength = 0, bySpeed = 0;
@@ -105,6 +113,7 @@ class MjcfReader {
   void readAssets(pugi::xml_node node);
   void readMesh(const Tag& tag);
   void readHeightField(const Tag& tag);
+  void readModel(const Tag& tag);
   std::filesystem::path assetFile(const Tag& tag, const std::string& folder);
 
   // mjcf_bodies.cpp
@@ -116,6 +125,9 @@ class MjcfReader {
   void readInertial(const Tag& tag, const MjcfScope& scope);
   void finishMass(Link& link, bool hasInertial, const SolidSums& ofGeoms);
   void scaleTotalMass();
+
+  // mjcf_attach.cpp
+  void readAttach(const Tag& tag, const MjcfScope& scope);
 
   // mjcf_geoms.cpp
   void readGeom(const Tag& tag, const MjcfScope& scope);
@@ -136,6 +148,7 @@ class MjcfReader {
   /// Pose of a link in the world as the file gives it.
   Pose referencePose(int link) const;
   void readContact(pugi::xml_node node);
+  void readPair(const Tag& tag);
   void readEquality(pugi::xml_node node);
   void readLoop(const Tag& tag);
   void readCoupling(const Tag& tag);
@@ -146,6 +159,8 @@ class MjcfReader {
   // mjcf_tendons.cpp
   void readTendon(const Tag& tag);
   void readPath(const Tag& tag, Tendon& tendon);
+  void readWrap(const Tag& tag, Tendon& tendon);
+  const MjcfSite& siteOf(const Tag& tag, const char* key) const;
   void readSum(const Tag& tag, Tendon& tendon);
   double lengthInFile(const Tendon& tendon) const;
 
@@ -182,8 +197,9 @@ class MjcfReader {
   std::map<std::string, int> linkByName_;
   std::map<std::string, std::pair<int, int>> dofByName_;
   std::map<std::string, MjcfSite> sites_;
-  std::vector<SolidSums> geomMass_;  ///< of each link: sum of its geoms, in the frame of the link
-  std::vector<bool> hasInertial_;    ///< of each link
+  std::map<std::string, MjcfRound> rounds_;  ///< geoms that are spheres and cylinders
+  std::vector<SolidSums> geomMass_;          ///< of each link: sum of its geoms, in the frame of the link
+  std::vector<bool> hasInertial_;            ///< of each link
   std::map<std::pair<int, int>, double> actuatorForce_;  ///< limits by actuatorfrcrange [N], [N m]
   /// Time constant and damping ratio of joints [s], [1].
   std::map<std::pair<int, int>, std::array<double, 2>> springDampers_;
@@ -191,6 +207,11 @@ class MjcfReader {
   std::vector<double> controls_, activations_;  ///< of the keyframe
   std::size_t actuators_ = 0, activated_ = 0;   ///< read so far, and those with an activation
   std::size_t elements_ = 0;                    ///< of the tree of bodies, with repetitions
+  /// Link and index in its geoms.
+  std::map<std::string, std::pair<int, int>> geoms_;
+  std::map<std::string, std::filesystem::path> attached_;  ///< files of <model>
+  int pairs_ = 0;                                          ///< of geoms, read so far
+  int level_ = 0;                                          ///< of attached models
   bool foundKey_ = false;
 };
 

@@ -15,6 +15,7 @@ int MjcfReader::linkOf(const Tag& tag, const char* key) const {
 void MjcfReader::readContact(pugi::xml_node node) {
   for (const pugi::xml_node& child : source_.children(node)) {
     const std::string_view type = child.name();
+    if (type == "pair" && compiler_.contacts) readPair(tagOf(child));
     if (type == "exclude") {
       const Tag tag(source_, child);
       tag.text("name");
@@ -22,6 +23,18 @@ void MjcfReader::readContact(pugi::xml_node node) {
       report_.converted(tag.place(), "exclude" + inQuotes(tag.name()), "pair of bodies that do not collide");
     }
   }
+}
+
+void MjcfReader::readPair(const Tag& tag) {
+  constexpr int kMostPairs = 64;
+  const auto lose = [&](const char* why) { report_.note(Effect::Lost, tag.place(), tag.describe(), why); };
+  const auto first = geoms_.find(tag.need("geom1")), second = geoms_.find(tag.need("geom2"));
+  if (first == geoms_.end() || second == geoms_.end()) return lose("one of its geoms is not there");
+  if (pairs_ == kMostPairs) return lose("more than 64 pairs");
+  const std::uint64_t bit = std::uint64_t{1} << pairs_++;
+  for (const auto& [at, index] : {first->second, second->second})
+    link(at).geoms[static_cast<std::size_t>(index)].contact.pairs |= bit;
+  report_.converted(tag.place(), tag.describe(), "pair of bodies that collide");
 }
 
 Pose MjcfReader::referencePose(int at) const {
@@ -55,13 +68,7 @@ void MjcfReader::readLoop(const Tag& tag) {
   loop.place = tag.place();
   loop.keepsOrientation = tag.type() == "weld";
   if (tag.has("site1")) {
-    const auto siteOf = [&](const char* key) {
-      const std::string name = tag.need(key);
-      const auto found = sites_.find(name);
-      if (found == sites_.end()) tag.fail(key, "the name of a site", "\"" + name + "\"");
-      return found->second;
-    };
-    const MjcfSite a = siteOf("site1"), b = siteOf("site2");
+    const MjcfSite &a = siteOf(tag, "site1"), &b = siteOf(tag, "site2");
     loop.linkA = a.link, loop.linkB = b.link;
     loop.anchorA = a.pose.p, loop.anchorB = b.pose.p;
     loop.orientationAtoB = normalize(b.pose.q * conjugate(a.pose.q));

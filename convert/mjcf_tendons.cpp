@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "convert/mjcf_reader.h"
+#include "forces/tendon_wrap.h"
 
 namespace rubble::convert {
 
@@ -41,7 +42,12 @@ void MjcfReader::readTendon(const Tag& tag) {
       out.range = {{first, last}};
       out.limitStiffness = stiffness;
     } else {
-      report_.note(Effect::Lost, tag.place(), tag.type() + ".springlength", "a dead band beside a range");
+      // beside a range: a tendon of its own
+      Tendon band = out;
+      band.name = out.name.empty() ? "" : out.name + "_spring";
+      static_cast<Coordinate&>(band) = {};
+      band.range = {{first, last}}, band.limitStiffness = stiffness;
+      model_.tendons.push_back(std::move(band));
     }
   }
   if (!out.name.empty() && !tendonByName_.emplace(out.name, model_.tendons.size()).second)
@@ -49,29 +55,58 @@ void MjcfReader::readTendon(const Tag& tag) {
   model_.tendons.push_back(std::move(out));
 }
 
+const MjcfSite& MjcfReader::siteOf(const Tag& tag, const char* key) const {
+  const std::string name = tag.need(key);
+  const auto found = sites_.find(name);
+  if (found == sites_.end()) tag.fail(key, "the name of a site", "\"" + name + "\"");
+  return found->second;
+}
+
 void MjcfReader::readPath(const Tag& tag, Tendon& out) {
   double divisor = 1;
-  bool wraps = false;
+  std::string before;
   for (const pugi::xml_node& child : source_.children(tag.node())) {
     const Tag part(source_, child);
-    if (part.type() == "pulley") {
+    const std::string type = part.type();
+    if (type == "pulley") {
+      if (before == "geom") part.fail("divisor", "a site between a geom and a pulley", "none");
       divisor = part.needNumber("divisor");
       if (!(divisor > 0)) part.fail("divisor", "a number above 0", std::to_string(divisor));
       if (!out.path.empty()) out.path.back().weight = 0;
-    } else if (part.type() == "site") {
-      const std::string name = part.need("site");
-      const auto found = sites_.find(name);
-      if (found == sites_.end()) part.fail("site", "the name of a site", "\"" + name + "\"");
-      out.path.push_back({found->second.link, found->second.pose.p, 1 / divisor});
-    } else if (part.type() == "geom") {
-      part.need("geom"), part.text("sidesite");
-      wraps = true;
+    } else if (type == "site") {
+      const MjcfSite& site = siteOf(part, "site");
+      out.path.push_back({site.link, site.pose.p, 1 / divisor});
+    } else if (type == "geom") {
+      if (before != "site") part.fail("geom", "a geom between two sites", "one after none");
+      readWrap(part, out);
+    } else {
+      continue;
     }
+    before = type;
   }
+  if (before == "geom") tag.fail("geom", "a geom between two sites", "one before none");
   if (out.path.size() < 2) tag.fail("site", "two sites", std::to_string(out.path.size()));
   out.path.back().weight = 0;
-  if (wraps)
-    report_.note(Effect::Lost, tag.place(), "spatial.geom", "the tendon is straight and does not wrap geoms");
+}
+
+void MjcfReader::readWrap(const Tag& tag, Tendon& out) {
+  const std::string name = tag.need("geom");
+  const auto found = rounds_.find(name);
+  if (found == rounds_.end()) tag.fail("geom", "the name of a sphere or cylinder", "\"" + name + "\"");
+  const MjcfRound& round = found->second;
+  Tendon::Wrap wrap;
+  wrap.point = out.path.size() - 1;
+  wrap.link = round.link, wrap.center = round.pose.p, wrap.radius = round.radius;
+  if (round.isCylinder) wrap.axis = rotate(round.pose.q, Vec3{0, 0, 1});
+  if (tag.has("sidesite")) {
+    const MjcfSite& site = siteOf(tag, "sidesite");
+    if (site.link != round.link)
+      report_.note(Effect::Approximate, tag.place(), "geom.sidesite",
+                   "a side site on another body moves with the geom");
+    const Pose seen = inverse(referencePose(round.link)) * referencePose(site.link);
+    wrap.guide = seen * site.pose.p - wrap.center;
+  }
+  out.wraps.push_back(wrap);
 }
 
 void MjcfReader::readSum(const Tag& tag, Tendon& out) {
@@ -88,9 +123,18 @@ void MjcfReader::readSum(const Tag& tag, Tendon& out) {
 
 double MjcfReader::lengthInFile(const Tendon& tendon) const {
   double sum = 0;
-  for (std::size_t i = 0; i + 1 < tendon.path.size(); ++i) {
-    const Tendon::Point &a = tendon.path[i], &b = tendon.path[i + 1];
-    sum += a.weight * length(referencePose(b.link) * b.at - referencePose(a.link) * a.at);
+  const auto at = [&](std::size_t i) { return referencePose(tendon.path[i].link) * tendon.path[i].at; };
+  for (std::size_t i = 0; i + 1 < tendon.path.size(); ++i)
+    sum += tendon.path[i].weight * length(at(i + 1) - at(i));
+  for (const Tendon::Wrap& wrap : tendon.wraps) {
+    const Pose body = referencePose(wrap.link);
+    const Vec3 center = body * wrap.center, guide = rotate(body.q, wrap.guide.value_or(Vec3{})),
+               from = at(wrap.point) - center, to = at(wrap.point + 1) - center;
+    const auto arc = host::wrapAround(from, to, rotate(body.q, wrap.axis), wrap.radius,
+                                      wrap.guide ? &guide : nullptr);
+    if (arc.touches)
+      sum += tendon.path[wrap.point].weight *
+             (length(arc.begin - from) + arc.length + length(to - arc.end) - length(to - from));
   }
   for (const Tendon::Term& term : tendon.terms)
     sum += term.coefficient * model_.links[static_cast<std::size_t>(term.dof.first)]

@@ -23,12 +23,13 @@ inline Pose operator*(const Pose& a, const Pose& b) { return {a.p + rotate(a.q, 
 inline Pose inverse(const Pose& a) { return {-rotateInverse(a.q, a.p), conjugate(a.q)}; }
 inline Vec3 operator*(const Pose& a, const Vec3& x) { return a.p + rotate(a.q, x); }
 
-/// Collision masks of a geom: two geoms collide if the `type` of one shares a bit with the `affinity` of the
+/// Collision masks of a geom. Two geoms collide if the `type` of one shares a bit with the `affinity` of the
 /// other (MuJoCo).
 struct Contact {
   std::uint32_t type = 1, affinity = 1;
+  std::uint64_t pairs = 0;  ///< a bit for each pair of geoms that collide whatever their masks are
 
-  bool any() const { return type != 0 || affinity != 0; }
+  bool any() const { return type != 0 || affinity != 0 || pairs != 0; }
   auto operator<=>(const Contact&) const = default;
 };
 
@@ -135,10 +136,19 @@ struct Tendon : Coordinate {
     std::pair<int, int> dof;  ///< link, index in its dofs
     double coefficient = 1;
   };
+  /// A sphere or cylinder that the segment from a point to the next one goes around.
+  struct Wrap {
+    std::size_t point = 0;      ///< index in `path`
+    int link = -1;              ///< -1: the world
+    Vec3 center, axis;          ///< in the frame of the link [m]; axis 0: a sphere
+    double radius = 0;          ///< [m]
+    std::optional<Vec3> guide;  ///< from the center, in the axes of the link [m]
+  };
   std::string name;
   Place place;
   std::vector<Point> path;
   std::vector<Term> terms;
+  std::vector<Wrap> wraps;
 };
 
 /// A deformable object, with its vertices in the world.
@@ -157,6 +167,7 @@ struct Model {
   std::vector<Tendon> tendons;
   std::vector<FreeJoint> joints;
   std::vector<SoftObject> objects;
+  std::optional<Pose> camera;                   ///< in the world; it looks along its -z
   std::optional<double> timeStep;               ///< that the model asks for [s]
   std::vector<std::pair<int, int>> exclusions;  ///< pairs of links (-1: the world)
   bool parentsCollide = false;                  ///< do links collide with their parents?

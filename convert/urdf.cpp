@@ -1,10 +1,12 @@
 #include "convert/urdf.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 
 #include "convert/geometry.h"
+#include "convert/mesh/mesh_import.h"
 #include "convert/packages.h"
 #include "convert/rotations.h"
 #include "convert/tag.h"
@@ -19,6 +21,13 @@ struct UrdfJoint {
   pugi::xml_node node;
   std::string parent, child;
 };
+
+/// COLLADA and other formats that readSurface reads with assimp.
+bool needsLibrary(const std::string& name) {
+  std::string ending = std::filesystem::path(name).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending != ".obj" && ending != ".stl" && ending != ".ply" && ending != ".msh";
+}
 
 class UrdfReader {
  public:
@@ -182,14 +191,15 @@ class UrdfReader {
     const Effect loss = geom.contact.any() ? Effect::Lost : Effect::None;
     const std::string name = tag.need("filename");
     const Vec3 scale = tag.vector("scale").value_or(Vec3{1, 1, 1});
-    const std::string ending = std::filesystem::path(name).extension().string();
-    if (ending == ".dae" || ending == ".DAE") {
-      report_.note(loss, tag.place(), "mesh" + inQuotes(name),
-                   "COLLADA is not read; make it an OBJ or STL file");
+    const std::string file = packages_.find(name, tag.path("filename")).string();
+    std::vector<Vec3> points;
+    try {
+      points = needsLibrary(name) ? readSurface(file).vertices : io::readMesh(file).vertices;
+    } catch (const Error& error) {
+      if (!needsLibrary(name)) throw;
+      report_.note(loss, tag.place(), "mesh" + inQuotes(name), error.what());
       return false;
     }
-    const std::filesystem::path file = packages_.find(name, tag.path("filename"));
-    std::vector<Vec3> points = io::readMesh(file.string()).vertices;
     for (Vec3& point : points) point = mul(point, scale);
     try {
       bool reduced = false;

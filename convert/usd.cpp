@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <numbers>
 
 #include <rubble/error.h>
@@ -26,10 +27,16 @@ bool isUsdFile(const std::string& file) {
 
 Model UsdReader::read(const std::string& bytes, const std::string& file) {
   std::vector<usd::Missing> missing;
+  UsdFiles files(folders_);
   const usd::Find find = [&](const std::string& asset, const std::string& layer, const std::string& who) {
-    return folders_.find(std::filesystem::path(layer).parent_path(), asset, who).string();
+    return files.find(asset, layer, who);
   };
-  const usd::Stage stage = usd::openStage(bytes, file, find, missing);
+  const usd::Read read = [&](const std::string& name, const std::string& who) {
+    return files.read(name, who);
+  };
+  std::string name = file;
+  const std::string content = files.open(bytes, name);
+  const usd::Stage stage = usd::openStage(content, name, find, read, missing);
   for (const usd::Missing& each : missing)
     report_.note(Effect::Lost, {each.file, each.line}, "reference of " + each.prim, each.why);
   stage_ = &stage.root;
@@ -53,12 +60,15 @@ Model UsdReader::read(const std::string& bytes, const std::string& file) {
     const UsdPrim prim = at(*placed_[i].prim);
     const usd::Prim& own = prim.prim();
     if (own.type == "PhysicsScene") readScene(prim);
+    if (placed_[i].isInstance && isJoint(own.type))
+      report_.note(Effect::Lost, prim.place(), own.type + inQuotes(own.name), "a joint of an instance");
     if (own.hasSchema("PhysicsCollisionAPI") && prim.flag("physics:collisionEnabled", true))
       addCollider(prim, placed_[i]);
   }
   for (std::size_t i = 1; i < model_.links.size(); ++i) finishMass(static_cast<int>(i));
   for (std::size_t i = 1; i < placed_.size(); ++i)
-    if (isJoint(placed_[i].prim->type)) addJoint(at(*placed_[i].prim), placed_[i].path);
+    if (isJoint(placed_[i].prim->type) && !placed_[i].isInstance)
+      addJoint(at(*placed_[i].prim), placed_[i].path);
   addFilters();
   noteUnused();
   return std::move(model_);
@@ -76,7 +86,13 @@ void UsdReader::readScene(const UsdPrim& prim) {
 }
 
 void UsdReader::visit(const usd::Prim& prim, const std::string& path, const Affine& parent, int link) {
-  if (!prim.active || prim.kind == usd::Prim::Kind::Class || prim.kind == usd::Prim::Kind::Over) return;
+  if (prim.kind == usd::Prim::Kind::Def) placeAll(prim, path, parent, link);
+}
+
+void UsdReader::placeAll(const usd::Prim& prim, const std::string& path, const Affine& parent, int link) {
+  if (!prim.active) return;
+  if (placed_.size() > usd::kMostPrims)
+    throw Error(prim.file + ": " + path, "at most 500000 prims, with those of instances", "more");
   const UsdPrim own = at(prim);
   bool resets = false;
   const Affine local = localFrame(own, resets);
@@ -90,9 +106,9 @@ void UsdReader::visit(const usd::Prim& prim, const std::string& path, const Affi
     link = -1;
   }
   byPath_[path] = placed_.size();
-  placed_.push_back({&prim, path, world, link});
-  if (prim.type == "PointInstancer" && prim.hasSchema("PhysicsRigidBodyAPI"))
-    report_.note(Effect::Lost, own.place(), "PointInstancer" + inQuotes(prim.name), "bodies of an instancer");
+  placed_.push_back({&prim, path, world, link, isInstanced_});
+  if (prim.type == "Camera" && !model_.camera) model_.camera = world.rigid();
+  if (prim.type == "PointInstancer") return addInstances(prim, path, world, link);
   for (const auto& child : prim.children) visit(*child, path + "/" + child->name, world, link);
 }
 
@@ -117,7 +133,7 @@ int UsdReader::addBody(const UsdPrim& prim, const std::string& path, const Affin
 
 void UsdReader::finishMass(int index) {
   Link& link = model_.links[static_cast<std::size_t>(index)];
-  if (link.kinematic) return;
+  if (!link.free) return;
   const UsdPrim prim = at(*bodyPrims_[static_cast<std::size_t>(index)]);
   const bool given = prim.prim().hasSchema("PhysicsMassAPI");
   const double unit = kilogramsPerUnit_, volume = std::pow(metersPerUnit_, 3);
@@ -176,9 +192,17 @@ void UsdReader::addFilters() {
     if (pairs > kMostPairs) prim.fail("physics:filteredPairs", "at most a million pairs", "more");
     for (const int i : a)
       for (const int j : b)
-        if (i != j) model_.exclusions.emplace_back(std::max(i, -1), std::max(j, -1));
+        if (i != j && i >= 0 && j >= 0) model_.exclusions.emplace_back(std::min(i, j), std::max(i, j));
+  };
+  // groups with one name to merge by are one group
+  const auto nameOf = [](const UsdPrim& prim, const Placed& each) {
+    const std::string name = prim.text("physics:mergeGroup");
+    return name.empty() ? each.path : name;
   };
   std::map<std::string, std::set<int>> groups;
+  std::map<std::string, std::string> groupAt;
+  std::set<int> all;
+  for (const Collider& each : colliders_) all.insert(each.link);
   for (const Placed& each : placed_) {
     const UsdPrim prim = at(*each.prim);
     if (const auto* targets = prim.targets("physics:filteredPairs")) {
@@ -188,18 +212,33 @@ void UsdReader::addFilters() {
                         "pairs that do not collide");
     }
     if (each.prim->type != "PhysicsCollisionGroup") continue;
+    groupAt[each.path] = nameOf(prim, each);
     if (const auto* members = prim.targets("collection:colliders:includes"))
-      for (const std::string& member : *members) groups[each.path].merge(linksBelow(member));
+      for (const std::string& member : *members) groups[nameOf(prim, each)].merge(linksBelow(member));
+    if (const auto* others = prim.targets("collection:colliders:excludes"))
+      for (const std::string& other : *others)
+        for (const int link : linksBelow(other)) groups[nameOf(prim, each)].erase(link);
     prim.text("collection:colliders:expansionRule");
   }
   for (const Placed& each : placed_) {
     if (each.prim->type != "PhysicsCollisionGroup") continue;
     const UsdPrim prim = at(*each.prim);
-    if (prim.flag("physics:invertFilteredGroups", false))
-      report_.note(Effect::Lost, prim.place(), "invertFilteredGroups",
-                   "a group that collides with some others only");
-    else if (const auto* targets = prim.targets("physics:filteredGroups"))
-      for (const std::string& target : *targets) exclude(groups[each.path], groups[target], prim);
+    std::set<int> named;
+    if (const auto* targets = prim.targets("physics:filteredGroups"))
+      for (const std::string& target : *targets) {
+        const std::set<int>& members = groups[groupAt[target]];
+        named.insert(members.begin(), members.end());
+      }
+    const std::set<int>& own = groups[groupAt[each.path]];
+    if (prim.flag("physics:invertFilteredGroups", false)) {
+      std::set<int> others;
+      std::set_difference(all.begin(), all.end(), named.begin(), named.end(),
+                          std::inserter(others, others.end()));
+      named = std::move(others);
+    }
+    exclude(own, named, prim);
+    report_.converted(prim.place(), "PhysicsCollisionGroup" + inQuotes(each.prim->name),
+                      "pairs that do not collide");
   }
   std::sort(model_.exclusions.begin(), model_.exclusions.end());
   model_.exclusions.erase(std::unique(model_.exclusions.begin(), model_.exclusions.end()),
@@ -207,8 +246,10 @@ void UsdReader::addFilters() {
 }
 
 void UsdReader::noteUnused() {
+  std::set<const usd::Prim*> noted;
   for (const Placed& each : placed_) {
     const Place place{each.prim->file, each.prim->line};
+    if (!noted.insert(each.prim).second) continue;
     for (const usd::Property& property : each.prim->properties) {
       if (used_.contains(&property)) continue;
       const std::string& name = property.name;

@@ -84,8 +84,6 @@ bool UsdReader::addAxes(const UsdPrim& prim, std::array<JointAxis, 6>& axes, int
             i < 3 ? metersPerUnit_ : kDegree);
     addDrive(prim, name, i >= 3, own);
   }
-  if (prim.prim().hasSchema("PhysicsLimitAPI:distance"))
-    report_.note(Effect::Lost, prim.place(), "limit:distance", "a limit of the distance beside other axes");
   return true;
 }
 
@@ -104,15 +102,20 @@ void UsdReader::addJoint(const UsdPrim& prim, const std::string& path) {
   const Pose b = endOf(prim, "physics:body0", "physics:localPos0", "physics:localRot0", out.linkB),
              a = endOf(prim, "physics:body1", "physics:localPos1", "physics:localRot1", out.linkA);
   JointDef& joint = out.joint;
-  if (type == "PhysicsDistanceJoint") {
-    joint.type = jointType("tendon");
-    joint.axes[0].min = length(std::max(prim.number("physics:minDistance", -1), 0.));
-    const double most = prim.number("physics:maxDistance", -1);
-    joint.axes[0].max = most < 0 ? kFree : length(most);
-    if (joint.axes[0].min > joint.axes[0].max) std::swap(joint.axes[0].min, joint.axes[0].max);
+  const auto distance = [&](const char* low, const char* high) {
+    JointDef rod;
+    rod.type = jointType("tendon");
+    rod.axes[0].min = length(std::max(prim.number(low, -1, true), 0.));
+    const double most = prim.number(high, -1, true);
+    rod.axes[0].max = most < 0 ? kFree : length(most);
+    if (rod.axes[0].min > rod.axes[0].max) std::swap(rod.axes[0].min, rod.axes[0].max);
     TendonFields fields;
     fields.path = {0, a.p.x, a.p.y, a.p.z, 1, 1, b.p.x, b.p.y, b.p.z, 0};
-    joint.own = fields;
+    rod.own = fields;
+    return rod;
+  };
+  if (type == "PhysicsDistanceJoint") {
+    joint = distance("physics:minDistance", "physics:maxDistance");
   } else {
     std::array<JointAxis, 6> axes;
     if (!addAxes(prim, axes, main))
@@ -140,6 +143,12 @@ void UsdReader::addJoint(const UsdPrim& prim, const std::string& path) {
   if (std::isfinite(torque) && torque > 0)
     joint.breakTorque = torque * kilogramsPerUnit_ * metersPerUnit_ * metersPerUnit_;
   prim.flag("physics:excludeFromArticulation", false);
+  if (type == "PhysicsJoint" && prim.prim().hasSchema("PhysicsLimitAPI:distance")) {
+    FreeJoint rod = out;
+    rod.joint = distance("limit:distance:physics:low", "limit:distance:physics:high");
+    rod.joint.name = joint.name + "/distance", rod.joint.collide = joint.collide;
+    model_.joints.push_back(std::move(rod));
+  }
   model_.joints.push_back(std::move(out));
 }
 

@@ -11,6 +11,7 @@
 #include "convert/free_model.h"
 #include "convert/import.h"
 #include "convert/usd/stage.h"
+#include "convert/usd_files.h"
 
 namespace rubble::convert {
 
@@ -53,6 +54,7 @@ class UsdReader {
     std::string path;
     Affine world;  ///< in meters, z up
     int link;      ///< -1: the world
+    bool isInstance = false;
   };
 
   // usd.cpp
@@ -60,16 +62,21 @@ class UsdReader {
   void visit(const usd::Prim& prim, const std::string& path, const Affine& parent, int link);
   int addBody(const UsdPrim& prim, const std::string& path, const Affine& parent, const Affine& world);
   void finishMass(int link);
+  /// A prim, of whatever kind it is, with all below it.
+  void placeAll(const usd::Prim& prim, const std::string& path, const Affine& parent, int link);
   void addFilters();
   void noteUnused();
   UsdPrim at(const usd::Prim& prim) { return {prim, used_}; }
+
+  // usd_instances.cpp
+  void addInstances(const usd::Prim& prim, const std::string& path, const Affine& world, int link);
 
   // usd_frames.cpp
   /// The transformation of a prim to its parent. `resets`: it is to the world.
   Affine localFrame(const UsdPrim& prim, bool& resets) const;
 
   // usd_shapes.cpp
-  void addCollider(const UsdPrim& prim, const Placed& placed);
+  void addCollider(const UsdPrim& prim, Placed& placed);
   bool shapeOf(const UsdPrim& prim, FreeShape& shape);
   bool meshOf(const UsdPrim& prim, FreeShape& shape);
   struct Surface {
@@ -104,7 +111,7 @@ class UsdReader {
   std::vector<const usd::Prim*> bodyPrims_;  ///< of each link
   std::vector<std::size_t> joints_;          ///< indices into placed_
   std::unordered_set<const usd::Property*> used_;
-  bool hasScene_ = false;
+  bool hasScene_ = false, isInstanced_ = false;
 };
 
 Model readUsd(const std::string& bytes, const std::string& file, Folders& folders, Report& report);

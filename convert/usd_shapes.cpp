@@ -122,12 +122,21 @@ UsdReader::Surface UsdReader::surfaceOf(const UsdPrim& prim, const std::string& 
   return out;
 }
 
-void UsdReader::addCollider(const UsdPrim& prim, const Placed& placed) {
+void UsdReader::addCollider(const UsdPrim& prim, Placed& placed) {
   FreeShape shape;
   if (!shapeOf(prim, shape)) return;
   const bool isStatic = placed.link < 0;
-  if (isStatic && model_.links.empty()) return;
-  const int index = isStatic ? 0 : placed.link;
+  if (isStatic) {
+    // a link of its own, which filters can name
+    Link own;
+    own.name = placed.path.substr(1);
+    own.place = prim.place();
+    own.parent = 0, own.pose = placed.world.rigid();
+    placed.link = static_cast<int>(model_.links.size());
+    model_.links.push_back(std::move(own));
+    bodyPrims_.push_back(&prim.prim());
+  }
+  const int index = placed.link;
   Link& link = model_.links[static_cast<std::size_t>(index)];
   const Surface surface = surfaceOf(prim, placed.path);
   Geom like;

@@ -1,7 +1,6 @@
 #include "convert/usd/stage.h"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
@@ -10,9 +9,6 @@
 
 namespace rubble::usd {
 namespace {
-
-/// Largest size of a layer [bytes].
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 29;
 
 /// Adds what the stronger prim lacks.
 void addWeaker(Prim& strong, Prim&& weak) {
@@ -96,7 +92,8 @@ void makeAbsolute(Prim& prim, const std::string& path) {
 
 class Composer {
  public:
-  Composer(const Find& find, std::vector<Missing>& missing) : find_(find), missing_(missing) {}
+  Composer(const Find& find, const Read& read, std::vector<Missing>& missing)
+      : find_(find), read_(read), missing_(missing) {}
 
   Stage open(const std::string& bytes, const std::string& file) {
     Layer& layer = add(bytes, file, file);
@@ -114,14 +111,7 @@ class Composer {
   Layer& load(const std::string& file, const std::string& who) {
     if (const auto known = layers_.find(file); known != layers_.end()) return *known->second;
     if (loading_.contains(file)) throw Error(who, "layers without a cycle", "\"" + file + "\"");
-    std::ifstream in(file, std::ios::binary | std::ios::ate);
-    if (!in) throw Error(who, "a file that can be read", "\"" + file + "\"");
-    if (static_cast<std::uintmax_t>(in.tellg()) > kMostBytes)
-      throw Error(who, "a layer of at most 512 MiB", "a larger one");
-    in.seekg(0);
-    std::ostringstream bytes;
-    bytes << in.rdbuf();
-    return add(bytes.str(), file, who);
+    return add(read_(file, who), file, who);
   }
   Layer& add(const std::string& bytes, const std::string& file, const std::string& who) {
     if (!loading_.insert(file).second) throw Error(who, "layers without a cycle", "\"" + file + "\"");
@@ -207,6 +197,7 @@ class Composer {
   }
 
   const Find& find_;
+  const Read& read_;
   std::vector<Missing>& missing_;
   std::map<std::string, std::unique_ptr<Layer>> layers_;
   std::set<std::string> loading_;
@@ -216,9 +207,9 @@ class Composer {
 
 }  // namespace
 
-Stage openStage(const std::string& bytes, const std::string& file, const Find& find,
+Stage openStage(const std::string& bytes, const std::string& file, const Find& find, const Read& read,
                 std::vector<Missing>& missing) {
-  return Composer(find, missing).open(bytes, file);
+  return Composer(find, read, missing).open(bytes, file);
 }
 
 }  // namespace rubble::usd

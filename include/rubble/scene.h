@@ -258,6 +258,12 @@ struct TendonFields {
   /// moves in, the axis and the anchor in the frame of the body that moves, and c_1 to c_4. q is 0 where the
   /// bodies are when the joint is made.
   std::vector<double> terms;
+  /// Thirteen numbers for each sphere or cylinder that a segment goes around where it would cut it: the index
+  /// of the point that the segment begins at, the side, the center in the frame of its body [m], and the
+  /// axis, zeros for a sphere. Then the radius [m], 1 with a guide or 0, and the guide as seen from the
+  /// center [m]. The segment stays on the side of a guide outside, and touches the surface from within if it
+  /// is inside. At most one for each segment and four in all, and at most twelve points.
+  std::vector<double> wraps;
 };
 
 /// Keyword of a joint type in scene files: "swing_twist".

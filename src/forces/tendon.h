@@ -2,7 +2,8 @@
 /// Tendon: a length over points of up to four bodies, and functions of joint coordinates between them. Sides
 /// 0 to 3 are A, B and the frame bodies of A and B.
 ///
-///   c = sum_i w_i |x_(i+1) - x_i| + sum_k f_k(q_k)     [m], F [N], > 0: tension
+///   c = sum_i w_i L_i + sum_k f_k(q_k)                 [m], F [N], > 0: tension
+///   L_i = |x_(i+1) - x_i|, or the length around a sphere or cylinder (tendon_wrap.h)
 ///   f(q) = c_1 q + c_2 q^2 + c_3 q^3 + c_4 q^4
 ///
 /// x_i = p + r_i is a point of its side, n_i the direction of segment i. q_k is the turn of one side in
@@ -12,12 +13,13 @@
 ///   G: column norms of F d2c/dx2, with P of a segment under tension only (lengthCurvature)
 #include "forces/gear.h"
 #include "forces/linear_parts.h"
+#include "forces/tendon_wrap.h"
 
 namespace rubble {
 
 /// Constants of a tendon, in the precision R.
 template <class R, class V, class Q> struct TendonPath {
-  static constexpr int kMostPoints = 8, kMostTerms = 3;
+  static constexpr int kMostPoints = 12, kMostTerms = 3, kMostWraps = 4;
   struct Point {
     V at;      ///< in the frame of its body [m]
     R weight;  ///< of the segment to the next point [1]
@@ -31,7 +33,8 @@ template <class R, class V, class Q> struct TendonPath {
   };
   Point point[kMostPoints];
   Term term[kMostTerms];
-  int points, terms, world;  ///< world: bits of the frame bodies that are the world
+  TendonWrap<R, V> wrap[kMostWraps];
+  int points, terms, wraps, world;  ///< world: bits of the frame bodies that are the world
 };
 
 }  // namespace rubble
@@ -143,25 +146,48 @@ struct TendonAxis {
     return Coordinate<std::remove_cvref_t<decltype(term)>>{term, sidePose(d, m, a, b, term.body),
                                                            sidePose(d, m, a, b, term.frameBody)};
   }
-  /// Calls f(weight, side of the first end, side of the second, levers, span) for each segment.
+  /// Calls f(weight, side of the first end, side of the second, levers, span) for each straight piece.
+  /// Returns the weighted length on what is wrapped [m].
   template <class D, class M, class Function>
-  RUBBLE_HD static void forEachSegment(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
-                                       Function&& f) {
+  RUBBLE_HD static Real forEachPiece(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
+                                     Function&& f) {
+    Real curved = 0;
     for (int i = 0; i + 1 < d.points; ++i) {
-      if (!(d.point[i].weight > Real(0))) continue;
-      const Pose from = sidePose(d, m, a, b, d.point[i].side), to = sidePose(d, m, a, b, d.point[i + 1].side);
+      const Real weight = d.point[i].weight;
+      if (!(weight > Real(0))) continue;
+      const int first = d.point[i].side, last = d.point[i + 1].side;
+      const Pose from = sidePose(d, m, a, b, first), to = sidePose(d, m, a, b, last);
       const Vec3 r = rotate(from.q, d.point[i].at), s = rotate(to.q, d.point[i + 1].at);
-      f(d.point[i].weight, d.point[i].side, d.point[i + 1].side, r, s, (to.p - from.p) + s - r);
+      int k = 0;
+      while (k < d.wraps && d.wrap[k].point != i) ++k;
+      if (k < d.wraps) {
+        const auto& wrap = d.wrap[k];
+        const Pose on = sidePose(d, m, a, b, wrap.side);
+        const Vec3 center = rotate(on.q, wrap.center), guide = rotate(on.q, wrap.guide);
+        const WrappedArc arc = wrapAround((from.p - on.p) + r - center, (to.p - on.p) + s - center,
+                                          rotate(on.q, wrap.axis), wrap.radius,
+                                          wrap.guided != 0 ? &guide : nullptr);
+        if (arc.touches) {
+          const Vec3 begin = center + arc.begin, end = center + arc.end;
+          f(weight, first, wrap.side, r, begin, (on.p - from.p) + begin - r);
+          f(weight, wrap.side, last, end, s, (to.p - on.p) + s - end);
+          curved += weight * arc.length;
+          continue;
+        }
+      }
+      f(weight, first, last, r, s, (to.p - from.p) + s - r);
     }
+    return curved;
   }
 
   template <class D, class M>
   RUBBLE_HD static void constraint(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
                                    Real (&c)[kRows]) {
-    c[0] = 0;
-    forEachSegment(d, m, a, b, [&](Real weight, int, int, const Vec3&, const Vec3&, const Vec3& span) {
-      c[0] += weight * length(span);
+    Real straight = 0;
+    c[0] = forEachPiece(d, m, a, b, [&](Real weight, int, int, const Vec3&, const Vec3&, const Vec3& span) {
+      straight += weight * length(span);
     });
+    c[0] += straight;
     for (int k = 0; k < d.terms; ++k) {
       const auto q = coordinate(d, m, a, b, k);
       c[0] += q.polynomial(q.value(m.counter[k]), 0);
@@ -171,7 +197,7 @@ struct TendonAxis {
   RUBBLE_HD static void jacobian(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
                                  int side, Vec6 (&j)[kRows]) {
     j[0] = {{0, 0, 0}, {0, 0, 0}};
-    forEachSegment(d, m, a, b, [&](Real w, int from, int to, const Vec3& r, const Vec3& s, const Vec3& span) {
+    forEachPiece(d, m, a, b, [&](Real w, int from, int to, const Vec3& r, const Vec3& s, const Vec3& span) {
       if (from == to || (from != side && to != side)) return;
       Vec3 n;
       direction(span, n);
@@ -187,7 +213,7 @@ struct TendonAxis {
   RUBBLE_HD static Vec6 curvature(const D& d, const M& m, const FrameBodyPose& a, const FrameBodyPose& b,
                                   int side, const Real (&f)[kRows]) {
     Curve6 sum{};
-    forEachSegment(d, m, a, b, [&](Real w, int from, int to, const Vec3& r, const Vec3& s, const Vec3& span) {
+    forEachPiece(d, m, a, b, [&](Real w, int from, int to, const Vec3& r, const Vec3& s, const Vec3& span) {
       if (from == to || (from != side && to != side)) return;
       Vec3 n;
       const Real size = direction(span, n);
@@ -217,10 +243,15 @@ struct TendonJoint {
     static Data of(const EngineJoint& j) {
       const auto own = j.constants.get<Constants>();
       Data out{};
-      out.points = own.points, out.terms = own.terms;
+      out.points = own.points, out.terms = own.terms, out.wraps = own.wraps;
       out.world = (j.frameBodyA == kWorld ? 4 : 0) | (j.frameBodyB == kWorld ? 8 : 0);
       for (int i = 0; i < own.points; ++i)
         out.point[i] = {Vec3(own.point[i].at), Real(own.point[i].weight), own.point[i].side};
+      for (int i = 0; i < own.wraps; ++i) {
+        const auto& w = own.wrap[i];
+        out.wrap[i] = {Vec3(w.center), Vec3(w.axis), Vec3(w.guide), Real(w.radius),
+                       w.point,        w.side,       w.guided};
+      }
       for (int i = 0; i < own.terms; ++i) {
         const auto& t = own.term[i];
         out.term[i] = {Quat(t.base),
@@ -253,13 +284,15 @@ struct TendonKind {
   static constexpr const char* kName = "tendon";
   static constexpr const char*
       kDoc = "length over points of up to four bodies, and functions of the coordinates between them";
-  static constexpr int kPointNumbers = 5, kTermNumbers = 13;
+  static constexpr int kPointNumbers = 5, kTermNumbers = 13, kWrapNumbers = 13;
   static constexpr auto kFields = std::tuple_cat(
       std::tuple{
           field("path", "1, m", "five numbers for each point: side, x, y, z, weight of the segment",
                 &TendonFields::path),
           field("terms", "1, m", "thirteen numbers for each coordinate: kind, sides, axis, anchor, c_1-4",
-                &TendonFields::terms)},
+                &TendonFields::terms),
+          field("wraps", "1, m", "thirteen numbers for each sphere or cylinder that the path goes around",
+                &TendonFields::wraps)},
       kBreakForceField);
 
   static void build(JointBuild& b) {
@@ -274,6 +307,18 @@ struct TendonKind {
     for (std::size_t i = 0; i < own.path.size(); i += kPointNumbers) {
       const double* n = &own.path[i];
       out.point[out.points++] = {of(n[0]).inEngineFrame({n[1], n[2], n[3]}), n[4], static_cast<int>(n[0])};
+    }
+    for (std::size_t i = 0; i < own.wraps.size(); i += kWrapNumbers) {
+      const double* n = &own.wraps[i];
+      const JointBodyState& body = of(n[1]);
+      const rubble::Vec3 axis = normalize(rubble::Vec3{n[5], n[6], n[7]}, {});
+      out.wrap[out.wraps++] = {body.inEngineFrame({n[2], n[3], n[4]}),
+                               rotateInverse(body.axes, axis),
+                               rotateInverse(body.axes, {n[10], n[11], n[12]}),
+                               n[8],
+                               static_cast<int>(n[0]),
+                               static_cast<int>(n[1]),
+                               static_cast<int>(n[9])};
     }
     const TendonJoint::Constants before = b.before ? b.before->constants.get<TendonJoint::Constants>() : out;
     for (std::size_t i = 0; i < own.terms.size(); i += kTermNumbers) {
@@ -309,6 +354,17 @@ struct TendonKind {
     };
     size(own.path.size(), kPointNumbers, TendonJoint::Constants::kMostPoints, ".path");
     size(own.terms.size(), kTermNumbers, TendonJoint::Constants::kMostTerms, ".terms");
+    size(own.wraps.size(), kWrapNumbers, TendonJoint::Constants::kMostWraps, ".wraps");
+    for (std::size_t i = 0; i < own.wraps.size(); i += kWrapNumbers) {
+      whole(own.wraps[i], static_cast<double>(own.path.size()) / kPointNumbers - 2, (path + ".wraps")[i]);
+      whole(own.wraps[i + 1], 3, (path + ".wraps")[i + 1]);
+      if (!(own.wraps[i + 8] > 0))
+        throw Error((path + ".wraps")[i + 8], "a radius above 0 [m]", numberText(own.wraps[i + 8]));
+      whole(own.wraps[i + 9], 1, (path + ".wraps")[i + 9]);
+      for (std::size_t k = 0; k < i; k += kWrapNumbers)
+        if (own.wraps[k] == own.wraps[i])
+          throw Error((path + ".wraps")[i], "one sphere or cylinder for each segment", "two");
+    }
     if (own.path.size() < 2 * kPointNumbers && own.terms.empty())
       throw Error(path + ".path", "two points, or a term", "neither");
     for (std::size_t i = 0; i < own.path.size(); i += kPointNumbers) {

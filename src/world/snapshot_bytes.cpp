@@ -48,7 +48,7 @@ template <class A> void fields(A& a, std::any& own) {
   if (!isTendon) return;
   if constexpr (A::kReads) own = TendonFields{};
   TendonFields& tendon = std::any_cast<TendonFields&>(own);
-  all(a, tendon.path, tendon.terms);
+  all(a, tendon.path, tendon.terms, tendon.wraps);
 }
 template <class A> void fields(A& a, JointDef& j) {
   all(a, j.name, j.type, j.bodyA, j.bodyB, j.frameBodyA, j.frameBodyB, j.anchorA, j.anchorB, j.frameA,

@@ -266,6 +266,99 @@ TEST(Mjcf, ASpatialTendonHasItsLimitsSpringAndMotor) {
   EXPECT_DOUBLE_EQ(joint.axes[0].damping, 3);
 }
 
+TEST(Mjcf, TendonsWrapSpheresAndCylindersOfTheirBodies) {
+  const auto model = [](const std::string& path) {
+    return importText(
+        mjcf("<site name='s' pos='-2 0 1'/><site name='inner' pos='0 0 .1'/><body name='a'>"
+             "<joint name='j'/><geom size='.1' pos='0 0 -1'/><site name='t' pos='2 0 1'/>"
+             "<geom name='ball' pos='0 0 .8' size='.5'/>"
+             "<geom name='pin' type='cylinder' pos='0 0 .8' size='.5 1' euler='90 0 0'/></body>",
+             "<tendon><spatial name='rope' stiffness='1'><site site='s'/>" + path + "</spatial></tendon>"));
+  };
+  // tangents to a circle of 0.5 m from points 2 m beside and 0.2 m above its center
+  const double far = std::hypot(2, .2), turn = std::acos((.04 - 4) / (far * far)) - 2 * std::acos(.5 / far);
+  const double around = 2 * std::sqrt(far * far - .25) + .5 * turn;
+  for (const char* geom : {"ball", "pin"}) {
+    const Import wrapped = model("<geom geom='" + std::string(geom) + "'/><site site='t'/>");
+    const JointDef& joint = jointNamed(wrapped, "rope");
+    EXPECT_NEAR(joint.axes[0].targetPosition, around, 1e-9);
+    const auto& wraps = std::any_cast<const TendonFields&>(joint.own).wraps;
+    ASSERT_EQ(wraps.size(), 13u);
+    EXPECT_NEAR(std::fabs(wraps[6]), geom[0] == 'p' ? 1 : 0, 1e-12);
+    EXPECT_EQ(wrapped.report.count(Effect::Lost), 0u);
+  }
+  EXPECT_THROW(model("<geom geom='ball'/>"), Error);
+  EXPECT_THROW(model("<geom geom='ball'/><geom geom='pin'/><site site='t'/>"), Error);
+  EXPECT_THROW(model("<geom geom='none'/><site site='t'/>"), Error);
+}
+
+TEST(Mjcf, AnExplicitPairCollidesWhateverItsMasksSay) {
+  const std::string masks = " contype='0' conaffinity='0'/>";
+  const Import model = importText(
+      mjcf("<geom name='floor' type='plane' size='1 1 1'" + masks +
+               "<body name='a'><freejoint/><geom name='a' size='.1'" + masks +
+               "</body><body name='b' pos='1 0 0'><freejoint/><geom size='.1'" + masks +
+               "</body><body name='c' pos='2 0 0'><freejoint/><geom size='.1'/></body>",
+           "<contact><pair geom1='floor' geom2='a'/></contact>"));
+  const auto collide = [&](const char* first, const char* second) {
+    const CollisionFilter &a = bodyNamed(model, first).filter, &b = bodyNamed(model, second).filter;
+    return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
+  };
+  EXPECT_TRUE(collide("floor", "a"));
+  EXPECT_FALSE(collide("a", "c"));
+  EXPECT_FALSE(collide("floor", "c"));
+  EXPECT_EQ(bodyNamed(model, "b").filter.layers, 0u);
+}
+
+TEST(Mjcf, AttachedModelsKeepWhatJoinsTheirBodies) {
+  const test::ModelFolder folder;
+  folder.write(
+      "parts/hand.xml",
+      mjcf("<body name='palm' pos='1 0 0'><joint name='wrist' damping='2'/><geom size='.1' mass='3'/>"
+           "<site name='s'/><body name='finger' pos='0 0 1'><joint name='knuckle'/><geom size='.1'/>"
+           "<site name='t'/></body></body><body name='other'><freejoint/><geom size='.1'/></body>",
+           "<tendon><spatial name='cord' stiffness='5'><site site='s'/><site site='t'/></spatial>"
+           "</tendon><actuator><position joint='knuckle' kp='7'/></actuator>"
+           "<equality><connect body1='other' body2='finger' anchor='0 0 0'/></equality>"));
+  const Import model = convert::importModel(folder.write(
+      "robot.xml", mjcf("<body name='arm' pos='0 0 2'><joint name='elbow'/><geom size='.1'/>"
+                        "<frame pos='0 1 0' euler='0 0 90'><attach model='hand' body='palm' prefix='l_'/>"
+                        "</frame></body><attach model='hand' prefix='w_'/>",
+                        "<asset><model name='hand' file='parts/hand.xml'/></asset>"
+                        "<equality><joint joint1='l_knuckle' joint2='elbow'/></equality>")));
+  expectNear(bodyNamed(model, "l_palm").position, {0, 2, 2});
+  expectNear(bodyNamed(model, "l_finger").position, {0, 2, 3});
+  expectNear(bodyNamed(model, "w_palm").position, {1, 0, 0});
+  EXPECT_NEAR(*bodyNamed(model, "l_palm").mass, 3, 1e-12);
+  EXPECT_DOUBLE_EQ(jointNamed(model, "l_wrist").axes[0].damping, 2);
+  EXPECT_DOUBLE_EQ(jointNamed(model, "w_knuckle").axes[0].driveStiffness, 7);
+  EXPECT_DOUBLE_EQ(jointNamed(model, "l_cord").axes[0].driveStiffness, 5);
+  // the loop of the first copy needs a body that is not attached
+  EXPECT_EQ(model.report.count(Effect::Lost), 1u) << convert::textOf(model.report, true);
+  EXPECT_EQ(model.file.scene.bodies.size(), 6u);
+  folder.write("a.xml",
+               mjcf("<attach model='b' prefix='x'/>", "<asset><model name='b' file='b.xml'/></asset>"));
+  const std::string cycle = folder.write(
+      "b.xml", mjcf("<attach model='a' prefix='y'/>", "<asset><model name='a' file='a.xml'/></asset>"));
+  EXPECT_THROW(convert::importModel(cycle), Error);
+}
+
+TEST(Mjcf, PinsOfFlexcompsAreRangesAndPlaces) {
+  const auto pinned = [](const std::string& pin) {
+    const Import model = importText(
+        mjcf("<flexcomp name='f' type='grid' dim='2' count='4 3 1' spacing='.1 .1 .1' "
+             "mass='1' pos='0 0 1'><pin " +
+             pin + "/><elasticity young='1e5'/></flexcomp>"));
+    std::vector<int> fixed = common(model.file.scene.deformables.at(0)).fixed;
+    std::sort(fixed.begin(), fixed.end());
+    return fixed;
+  };
+  EXPECT_EQ(pinned("range='2 4'"), (std::vector<int>{2, 3, 4}));
+  EXPECT_EQ(pinned("grid='0 2 3 1'"), (std::vector<int>{2, 10}));
+  EXPECT_EQ(pinned("gridrange='1 0 2 1'"), (std::vector<int>{3, 4, 6, 7}));
+  EXPECT_THROW(pinned("gridrange='1 0 4 1'"), Error);
+}
+
 TEST(Mjcf, FlexcompsAreCablesClothAndSolidsOfTheirMass) {
   for (const int dimension : {1, 2, 3}) {
     const std::string count = dimension == 1 ? "5 1 1" : dimension == 2 ? "5 4 1" : "5 4 3";

@@ -32,7 +32,9 @@ const std::vector<std::string> kNames{"pendulum.xml",
                                       "standing_quadruped.xml",
                                       "machine.usda",
                                       "gate.gltf",
-                                      "cable.xml"};
+                                      "cable.xml",
+                                      "wrapped.xml",
+                                      "attached.xml"};
 
 std::string contentOf(const fs::path& file) {
   std::ostringstream out;

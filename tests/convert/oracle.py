@@ -170,6 +170,27 @@ def compare_joints(model, data, scene, name):
         check(f"{name} motor: {label}", axis.get("motor_force", 0), motor * sign, 1 + abs(motor))
 
 
+def compare_tendons(model, scene, name):
+    for index in range(model.ntendon):
+        label = model.tendon(index).name
+        own = joint_named(scene, label)
+        if own is None:
+            problems.append(f"{name}: no tendon {label}")
+            continue
+        axis = own.get("axes", [{}])[0]
+        stiffness = np.ravel(model.tendon_stiffness[index])[0]
+        if stiffness > 0 and model.tendon_lengthspring[index, 0] == model.tendon_lengthspring[index, 1]:
+            start = own.get("terms") and not own.get("path")
+            if not start:
+                check(f"{name} rest length: {label}", axis.get("target_position", 0),
+                      model.tendon_lengthspring[index, 0])
+        if model.tendon_limited[index] and own.get("path"):
+            check(f"{name} tendon range: {label}", [axis.get("min"), axis.get("max")], model.tendon_range[index])
+        check(f"{name} tendon friction: {label}", axis.get("friction", 0), model.tendon_frictionloss[index])
+        check(f"{name} tendon damping: {label}", axis.get("damping", 0), np.ravel(model.tendon_damping[index])[0])
+        check(f"{name} tendon armature: {label}", axis.get("armature", 0), model.tendon_armature[index])
+
+
 def parts_of(body):
     """Type, size and pose in the world of each convex primitive of a body."""
     frame, at = pose_of(body)
@@ -237,6 +258,7 @@ def compare(rubble, file, folder):
     check(f"{name} gravity", scene["gravity"], model.opt.gravity)
     compare_bodies(model, data, scene, name)
     compare_joints(model, data, scene, name)
+    compare_tendons(model, scene, name)
     compare_geoms(model, data, scene, name)
 
 
@@ -316,6 +338,7 @@ def main():
             compare_motion(rubble, "armature_pendulum", ["upper", "lower"], 0.9, folder)
             compare_motion(rubble, "geared", ["slow", "fast", "rod", "cam"], 0.5, folder)
             compare_motion(rubble, "finger", ["proximal", "middle", "distal"], 0.11, folder)
+            compare_motion(rubble, "wrapped", ["arm", "fore", "load", "bob"], 0.4, folder)
             compare_motion(rubble, "cable", ["link2", "link6", "link11"], 0.96, folder)
             for impulse in ([50, 0], [0, 50], [10, 0], [0, 10]):
                 compare_push(rubble, "standing_humanoid", impulse, folder)

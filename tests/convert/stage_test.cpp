@@ -1,4 +1,5 @@
 /// USD and glTF: units, bodies, joints, composition, and the readers of both USD formats against our writers.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -156,6 +157,92 @@ TEST(Usd, ReferencesStayInsideOfTheFolderAndEnd) {
        {"def \"a\" ( references = </b> ) { } def \"b\" ( references = </a> ) { }",
         "def \"a\" { def \"b\" ( references = </a> ) { } }", "def \"a\" ( inherits = </a> ) { }"})
     EXPECT_NE(test::messageOf([&] { import(usda(cycle)); }).find("cycle"), std::string::npos) << cycle;
+}
+
+/// A zip archive of files as they are.
+std::string zipped(const std::vector<std::pair<std::string, std::string>>& files, char method = 0) {
+  std::string out, directory;
+  const auto number = [](std::string& to, std::size_t value, int bytes) {
+    for (int k = 0; k < bytes; ++k) to += static_cast<char>(value >> (8 * k) & 255);
+  };
+  for (const auto& [name, content] : files) {
+    std::string common{20, 0, 0, 0, method, 0};
+    common += std::string(8, '\0');  // time and checksum
+    number(common, content.size(), 4), number(common, content.size(), 4), number(common, name.size(), 2);
+    number(common, 0, 2);
+    directory += "PK\1\2" + std::string(2, '\0') + common + std::string(10, '\0');
+    number(directory, out.size(), 4);
+    directory += name;
+    out += "PK\3\4" + common + name + content;
+  }
+  const std::size_t begin = out.size();
+  out += directory + "PK\5\6" + std::string(4, '\0');
+  number(out, files.size(), 2), number(out, files.size(), 2);
+  number(out, directory.size(), 4), number(out, begin, 4), number(out, 0, 2);
+  return out;
+}
+
+TEST(Usd, PackagesAreReadAsFoldersAre) {
+  const test::ModelFolder folder;
+  const std::string part = usda(ball("part"), "defaultPrim = \"part\""),
+                    whole = usda("def \"x\" ( references = @parts/part.usda@ ) { " + at("(1, 0, 0)") +
+                                     " }\n" + "def \"y\" ( references = @../part.usda@ ) { }",
+                                 "defaultPrim = \"x\" upAxis = \"Z\" metersPerUnit = 1");
+  const std::string package = zipped({{"whole.usda", whole}, {"parts/part.usda", part}});
+  for (const bool inMemory : {false, true}) {
+    const Import model = inMemory ? convert::importContent(package, "model")
+                                  : convert::importModel(folder.write("model.usdz", package));
+    expectNear(bodyNamed(model, "x").position, {1, 0, 0});
+    EXPECT_EQ(model.report.count(Effect::Lost), 1u);  // no file outside of the package
+  }
+  const std::string outer = folder.write("outer.usda", usda("def \"z\" ( references = @model.usdz@ ) { }"));
+  expectNear(bodyNamed(convert::importModel(outer), "z").position, {1, 0, 0});
+  EXPECT_THROW(convert::importContent(zipped({{"whole.usda", whole}}, 8), "packed"), Error);
+  for (std::size_t size = 4; size < package.size(); size += 7)
+    EXPECT_THROW(convert::importContent(package.substr(0, size), "torn"), Error);
+}
+
+TEST(Usd, AnInstancerGivesABodyForEachInstance) {
+  const Import model = import(
+      usda("def PointInstancer \"grid\" {\n" + at("(0, 0, 10)") +
+           "rel prototypes = [</grid/Prototypes/a>, </grid/Prototypes/b>] int[] protoIndices = [0, 1, 0]\n"
+           "point3f[] positions = [(1, 0, 0), (2, 0, 0), (0, 3, 0)] float3[] scales = [(1, 1, 1), (2, 2, 2), "
+           "(1, 1, "
+           "1)]\nquath[] orientations = [(1, 0, 0, 0), (1, 0, 0, 0), (0, 0, 0, 1)]\n"
+           "vector3f[] velocities = [(0, 0, 0), (0, 0, 0), (0, 0, 5)]\n"
+           "def Scope \"Prototypes\" { " +
+           ball("a", at("(0, 0, 1)")) + ball("b") + "} }"));
+  EXPECT_EQ(model.file.scene.bodies.size(), 3u);
+  expectNear(bodyNamed(model, "grid/a_0").position, {1, 0, 11});
+  expectNear(bodyNamed(model, "grid/b_1").position, {2, 0, 10});
+  EXPECT_NEAR(bodyNamed(model, "grid/b_1").shape.radius, 1, 1e-12);
+  const BodyDef& last = bodyNamed(model, "grid/a_2");
+  expectNear(last.position, {0, 3, 11}), expectNear(last.velocity, {0, 0, 5});
+  EXPECT_NEAR(std::fabs(last.orientation.v.z), 1, 1e-12);
+  EXPECT_THROW(
+      import(usda("def PointInstancer \"g\" { rel prototypes = [</none>] int[] protoIndices = [0] }")),
+      Error);
+}
+
+TEST(Usd, GroupsFilterStaticShapesAndMayBeInverted) {
+  const auto excluded = [](const std::string& settings) {
+    const std::string wall = "def Cube \"wall\" ( prepend apiSchemas = [\"PhysicsCollisionAPI\"] ) { }\n";
+    const Import model = import(
+        usda(ball("a") + ball("b") + wall +
+             "def PhysicsCollisionGroup \"A\" { rel collection:colliders:includes = </a> " + settings +
+             " }\n" + "def PhysicsCollisionGroup \"W\" { rel collection:colliders:includes = </wall> }"));
+    std::vector<std::string> out;
+    for (const auto& [i, j] : model.file.scene.exclusions) {
+      std::string x = model.file.scene.bodies[static_cast<std::size_t>(i)].name,
+                  y = model.file.scene.bodies[static_cast<std::size_t>(j)].name;
+      out.push_back(std::min(x, y) + " " + std::max(x, y));
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  EXPECT_EQ(excluded("rel physics:filteredGroups = </W>"), (std::vector<std::string>{"a wall"}));
+  EXPECT_EQ(excluded("rel physics:filteredGroups = </W> bool physics:invertFilteredGroups = 1"),
+            (std::vector<std::string>{"a b"}));
 }
 
 TEST(Usd, ErrorsNameFileAndLine) {

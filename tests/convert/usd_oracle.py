@@ -11,7 +11,7 @@ import warnings
 
 try:
     import numpy as np
-    from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
+    from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdUtils
 except ImportError:
     print("usd_oracle: this Python has no pxr")
     sys.exit(77)
@@ -240,7 +240,9 @@ def main():
             Sdf.Layer.FindOrOpen(str(file)).Export(str(crate))
             flat = folder / (file.stem + "_flat.usdc")
             stage.stage.Flatten().Export(str(flat))
-            for other in (crate, flat):
+            package = folder / (file.stem + ".usdz")
+            UsdUtils.CreateNewUsdzPackage(str(file), str(package))
+            for other in (crate, flat, package):
                 again = import_scene(rubble, other, folder)
                 for each in (scene, again):
                     each.pop("name", None), each.pop("description", None)

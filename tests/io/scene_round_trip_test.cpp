@@ -71,6 +71,7 @@ void expectSame(const JointDef& a, const JointDef& b) {
     const auto& other = std::any_cast<const TendonFields&>(b.own);
     EXPECT_EQ(own->path, other.path);
     EXPECT_EQ(own->terms, other.terms);
+    EXPECT_EQ(own->wraps, other.wraps);
   }
   expectSame(a.pulleyA, b.pulleyA);
   expectSame(a.pulleyB, b.pulleyB);
@@ -257,7 +258,8 @@ TEST(SceneRoundTrip, EverythingIsExact) {
   tendon.type = jointType("tendon");
   tendon.bodyA = 1, tendon.bodyB = 2, tendon.frameBodyA = 0;
   tendon.own = TendonFields{{0, .1, 1. / 3, 0, 1, 2, 0, 0, 2, 0},
-                            {0, 1, 2, 0, 0, 1, 0, .2, 0, 1, .5, 0, -.1}};
+                            {0, 1, 2, 0, 0, 1, 0, .2, 0, 1, .5, 0, -.1},
+                            {0, 2, .1, .2, 1. / 3, 0, 1, 0, .05, 1, 0, 0, .3}};
   tendon.axes[0].armature = .1, tendon.axes[0].damping = .2, tendon.axes[0].motorForce = -3;
   scene.joints = {ball, fixed, six, pulley, shoulder, gear, tendon};
   BodyDef ball2;

@@ -309,7 +309,7 @@ Scene sceneOfAll() {
   hinge.axes[0].armature = 0.1, hinge.axes[0].damping = 0.2, hinge.axes[0].motorForce = 3;
   JointDef tendon;
   tendon.type = jointType("tendon"), tendon.bodyA = last - 1, tendon.bodyB = last - 2;
-  tendon.own = TendonFields{{0, 0, 0, 0, 1, 1, 0, 0, 0, 0}, {}};
+  tendon.own = TendonFields{{0, 0, 0, 0, 1, 1, 0, 0, 0, 0}, {}, {0, 0, .5, 0, 0, 0, 0, 0, .1, 1, 0, 0, 1}};
   tendon.axes[0].max = 1.5;
   scene.joints = {hinge, jointAt(scene, JointType::SwingTwist, 3, 4, {0, 0, 3}), tendon};
   scene.deformables.emplace_back(clothSheet({-4, 0, 1}, {1, 0, 0}, {0, 1, 0}, 3, 3));

@@ -1,0 +1,25 @@
+#pragma once
+/// The files of a USD stage: in folders, and in packages, where they are named "model.usdz[parts/arm.usda]".
+#include <map>
+#include <string>
+
+#include "convert/folders.h"
+#include "convert/usd/package.h"
+
+namespace rubble::convert {
+
+class UsdFiles {
+ public:
+  explicit UsdFiles(Folders& folders) : folders_(folders) {}
+  /// Content and name of the root layer of a file of which `bytes` is the content.
+  std::string open(const std::string& bytes, std::string& file);
+  /// The name of an asset that a layer names. Throws Error at `who` if it may not be read.
+  std::string find(const std::string& asset, const std::string& layer, const std::string& who);
+  std::string read(const std::string& file, const std::string& who);
+
+ private:
+  Folders& folders_;
+  std::map<std::string, usd::Package> packages_;  ///< by the name of the archive
+};
+
+}  // namespace rubble::convert
