@@ -61,9 +61,11 @@ DeformableId World::Impl::addSoft(const Deformable& def, const Path& path) {
   if (!name.empty() && registry.softNames.contains(name))
     throw Error(path + ".name", "a name that no other deformable object has", "\"" + name + "\"");
   SoftRecord record{def, cookDeformable(def, path), registry.softOrder, {}};
-  record.surface = placeMaterial(common(def).material);
   registry.softs.prepare();
   if (!name.empty()) registry.softNames.emplace(name, registry.softs.next());
+  Undo unname([&] { registry.softNames.erase(name); });
+  record.surface = placeMaterial(common(def).material);
+  unname.keep();
   ++registry.softOrder;
   softChanged = true;
   return registry.softs.add(std::move(record));
@@ -83,9 +85,9 @@ void World::Impl::redefine(DeformableId id, const Deformable& def) {
        std::to_string(now.vertices.size()));
   SoftRecord record = old;
   record.def = def, record.model = cookDeformable(def, "deformable");
-  record.surface = placeMaterial(now.material);
   if (record.range.vertex >= 0 && !record.before) record.before = old.model;
   registry.softs.prepare(0);
+  record.surface = placeMaterial(now.material);
   registry.softs.edit(id) = std::move(record);
   softChanged = true;
 }
