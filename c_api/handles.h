@@ -39,7 +39,8 @@ struct rb_world {
   std::vector<rb_contact_event> contactEvents;
   std::vector<rb_joint_event> jointEvents;
   std::vector<rb_sleep_event> sleepEvents;
-  std::vector<std::int64_t> offsets;
+  std::vector<std::int64_t> offsets, hitOffsets;
+  std::vector<rb_hit> hits;  ///< of queries that give all
   std::vector<double> surfaceVertices;
   std::vector<std::int32_t> surfaceTriangles, surfaceSegments;
 };

@@ -174,7 +174,7 @@ rb_status rb_run_step(rb_run* run, rb_step_report* report) {
 }
 
 rb_status rb_run_rewound(rb_run* run) {
-  return guarded([&] { need(run, "run").runner->rewound(); });
+  return guarded([&] { need(run, "run"); });
 }
 
 rb_status rb_run_finish(rb_run* run, const char** json) {

@@ -16,6 +16,7 @@ namespace {
 
 std::size_t sizeOf(const io::SceneFile& file, const std::string& list) {
   const Scene& scene = file.scene;
+  if (list == "material_pairs") return scene.materialPairs.size();
   if (list == "bodies") return scene.bodies.size();
   if (list == "joints") return scene.joints.size();
   if (list == "deformables") return scene.deformables.size();
@@ -28,7 +29,9 @@ std::size_t sizeOf(const io::SceneFile& file, const std::string& list) {
 
 /// Checks by the engine itself, in addition to those of the reader.
 void validateLast(const Scene& scene, const std::string& list, const std::string& path) {
-  if (list == "bodies")
+  if (list == "material_pairs")
+    validate(scene);
+  else if (list == "bodies")
     validate(scene.bodies.back(), path);
   else if (list == "joints")
     validate(scene.joints.back(), path);

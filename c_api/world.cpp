@@ -95,6 +95,18 @@ rb_status rb_world_set_gravity(rb_world* world, const double gravity[3]) {
   return guarded([&] { worldOf(world).setGravity(vec(gravity)); });
 }
 
+rb_status rb_world_set_material_pair(rb_world* world, const char* json) {
+  return guarded([&] { worldOf(world).setMaterialPair(io::parseMaterialPair(textOr(json, ""))); });
+}
+
+rb_status rb_world_remove_material_pair(rb_world* world, const char* a, const char* b) {
+  return guarded([&] { worldOf(world).removeMaterialPair(textOr(a, ""), textOr(b, "")); });
+}
+
+rb_status rb_world_material_pairs(const rb_world* world, const char** json) {
+  return guarded([&] { need(json, "json") = keepText(io::toJson(worldOf(world).materialPairs())); });
+}
+
 int64_t rb_world_step_count(const rb_world* world) { return world ? world->world->stepCount() : 0; }
 
 double rb_world_time(const rb_world* world) { return world ? world->world->time() : 0; }

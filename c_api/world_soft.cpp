@@ -46,6 +46,14 @@ rb_status rb_world_deformable_definition(const rb_world* world, rb_deformable_id
   return guarded([&] { need(json, "json") = keepText(io::toJson(worldOf(world).definition(idOf(object)))); });
 }
 
+rb_status rb_world_set_deformable(rb_world* world, rb_deformable_id object, const char* json) {
+  return guarded([&] {
+    Deformable def = worldOf(world).definition(idOf(object));
+    io::parseDeformableValues(textOr(json, ""), def);
+    worldOf(world).setDefinition(idOf(object), def);
+  });
+}
+
 rb_status rb_world_deformable_name(const rb_world* world, rb_deformable_id object, const char** name) {
   return guarded([&] { need(name, "name") = common(worldOf(world).definition(idOf(object))).name.c_str(); });
 }

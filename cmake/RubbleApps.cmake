@@ -1,4 +1,5 @@
-# What stands around the library and is not installed with it: files, scenes and the command line program.
+# What stands around the library: files, which are installed with it as rubble::io and rubble::convert, scenes and the command line
+# program.
 
 find_package(nlohmann_json REQUIRED)
 if(RUBBLE_APPS OR RUBBLE_TESTS)
@@ -10,14 +11,15 @@ find_package(PNG)
 find_path(RUBBLE_ZSTD_INCLUDE zstd.h)
 find_library(RUBBLE_ZSTD_LIBRARY zstd)
 
-# A static library from the sources of one folder. They include one another as "io/file.h".
+# A static library from the sources of one folder. They include one another as "io/file.h". Installed, they do so in include/rubble.
 function(rubble_add_library name folder)
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h)
   add_library(${name} STATIC ${sources} ${headers})
   set_target_properties(${name} PROPERTIES LINKER_LANGUAGE CXX)
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR} PRIVATE ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(${name} PUBLIC rubble::rubble PRIVATE rubble_warnings)
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/rubble>
+    PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(${name} PUBLIC rubble::rubble PRIVATE $<BUILD_INTERFACE:rubble_warnings>)
   target_compile_options(${name} PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Sanitize>>:-O0>)
 endfunction()
 
@@ -34,7 +36,7 @@ if(PNG_FOUND)
 endif()
 if(RUBBLE_ZSTD_INCLUDE AND RUBBLE_ZSTD_LIBRARY)
   target_include_directories(rubble_io SYSTEM PRIVATE ${RUBBLE_ZSTD_INCLUDE})
-  target_link_libraries(rubble_io PRIVATE ${RUBBLE_ZSTD_LIBRARY})
+  target_link_libraries(rubble_io PRIVATE $<BUILD_INTERFACE:${RUBBLE_ZSTD_LIBRARY}> $<INSTALL_INTERFACE:zstd>)
   target_compile_definitions(rubble_io PUBLIC RUBBLE_HAS_ZSTD=1)
 endif()
 
@@ -45,7 +47,7 @@ rubble_add_library(rubble_meshes convert/mesh)
 target_link_libraries(rubble_meshes PUBLIC rubble_io)
 if(RUBBLE_ASSIMP_INCLUDE AND RUBBLE_ASSIMP_LIBRARY)
   target_include_directories(rubble_meshes SYSTEM PRIVATE ${RUBBLE_ASSIMP_INCLUDE})
-  target_link_libraries(rubble_meshes PRIVATE ${RUBBLE_ASSIMP_LIBRARY})
+  target_link_libraries(rubble_meshes PRIVATE $<BUILD_INTERFACE:${RUBBLE_ASSIMP_LIBRARY}> $<INSTALL_INTERFACE:assimp>)
   target_compile_definitions(rubble_meshes PUBLIC RUBBLE_HAS_ASSIMP=1)
 endif()
 rubble_precompile(rubble_meshes <nlohmann/json.hpp>)

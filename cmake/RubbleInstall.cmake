@@ -1,4 +1,4 @@
-# Installs the libraries, their headers, and package files for CMake (find_package(rubble), with the components cxx and c) and for
+# Installs the libraries, their headers, and package files for CMake (find_package(rubble), with the components cxx, io and c) and for
 # pkg-config (rubble, rubble_c). Nothing in them names the prefix: an installed tree may be moved.
 
 include(CMakePackageConfigHelpers)
@@ -19,6 +19,26 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/rubbleConfigVersion.cmake
 install(FILES ${PROJECT_BINARY_DIR}/rubbleConfig.cmake ${PROJECT_BINARY_DIR}/rubbleConfigVersion.cmake
   DESTINATION ${rubble_package_dir})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# Files: rubble::io, and rubble::convert where models can be read. Their headers lie in include/rubble/io and include/rubble/convert.
+if(TARGET rubble_io AND NOT SKBUILD)
+  set(rubble_file_targets rubble_io rubble_meshes rubble_usd)
+  set(rubble_file_headers io/definition_json io/input_log io/json_reader io/mesh_file io/output_file io/picture io/picture_poses
+    io/recording io/report_json io/scene_json convert/mesh/mesh_import)
+  set(rubble_has_convert OFF)
+  if(TARGET rubble_convert)
+    list(APPEND rubble_file_targets rubble_convert)
+    list(APPEND rubble_file_headers convert/import convert/report)
+    set_target_properties(rubble_convert PROPERTIES EXPORT_NAME convert)
+    set(rubble_has_convert ON)
+  endif()
+  set_target_properties(rubble_io PROPERTIES EXPORT_NAME io)
+  install(TARGETS ${rubble_file_targets} EXPORT rubbleIoTargets)
+  install(EXPORT rubbleIoTargets NAMESPACE rubble:: DESTINATION ${rubble_package_dir})
+  foreach(header IN LISTS rubble_file_headers)
+    get_filename_component(folder ${header} DIRECTORY)
+    install(FILES ${PROJECT_SOURCE_DIR}/${header}.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rubble/${folder})
+  endforeach()
+endif()
 # rubble.pc or rubble_c.pc; the others: what users link as well.
 function(rubble_install_pc rubble_pc_name rubble_pc_requires rubble_pc_libs)
   set(folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

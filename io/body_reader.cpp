@@ -61,7 +61,12 @@ void checkName(const Node& node, const BodyDef& body) {
 void BodyReader::readMaterials(const Node& node) {
   ObjectReader object(node, "an object with a material for each name");
   if (!object.isObject()) return;
-  for (const auto& item : node.value().items()) materials_[item.key()] = material(node.child(item.key()));
+  for (const auto& item : node.value().items()) {
+    const Node value = node.child(item.key());
+    Material& read = materials_[item.key()] = material(value);
+    // "name": "" is a material without a name
+    if (value.value().is_object() && !value.value().contains("name")) read.name = item.key();
+  }
 }
 
 void BodyReader::readShapes(const Node& node) {

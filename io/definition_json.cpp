@@ -106,6 +106,15 @@ void parseBodyValues(const std::string& text, BodyDef& body, const std::string& 
   body = std::move(out);
 }
 
+void parseDeformableValues(const std::string& text, Deformable& object, const std::string& path) {
+  using Ordered = nlohmann::ordered_json;
+  const Ordered values = Ordered::parse(text, nullptr, false);
+  if (!values.is_object()) throw Error(path, "an object with values of a deformable object", text);
+  Ordered all = Ordered::parse(toJson(object));
+  all.merge_patch(values);
+  object = parseDeformable(all.dump(), "", path);
+}
+
 std::string nested(const std::string& path, std::span<const double> values) {
   const nlohmann::json value = values.size() == 1 ? nlohmann::json(values[0]) : nlohmann::json(values);
   std::string before, after;
@@ -125,6 +134,12 @@ std::string nested(const std::string& path, std::span<const double> values) {
     at = end + 1;
   }
   return before + value.dump() + after;
+}
+
+MaterialPair parseMaterialPair(const std::string& text, const std::string& path) {
+  MaterialPair out;
+  readDefinition(text, path, [&](const Node& node) { out = readMaterialPair(node); });
+  return out;
 }
 
 Shape parseShape(const std::string& text, const std::string& path) {
@@ -265,6 +280,12 @@ std::string toJson(const JointDef& joint) {
 
 std::string toJson(const Deformable& deformable) {
   return deformableJson(deformable, materialJson(common(deformable).material)).dump();
+}
+
+std::string toJson(std::span<const MaterialPair> pairs) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const MaterialPair& pair : pairs) json.push_back(materialPairJson(pair));
+  return json.dump();
 }
 
 std::string toJson(const Params& params) {

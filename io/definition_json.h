@@ -28,6 +28,10 @@ void parseBodyValues(const std::string& text, BodyDef& body, const std::string& 
 /// {"a": {"b": value}} for the path "a.b", with lists for numbers: {"axes": [{}, {"max": value}]} for
 /// "axes.1.max". One value is a number, several are a list.
 std::string nested(const std::string& path, std::span<const double> values);
+MaterialPair parseMaterialPair(const std::string& text, const std::string& path = "pair");
+/// Values of a deformable object that replace those of `object`, likewise.
+void parseDeformableValues(const std::string& text, Deformable& object,
+                           const std::string& path = "deformable");
 /// A list of bodies.
 std::vector<BodyDef> parseBodies(const std::string& text, const std::string& path = "bodies");
 Shape parseShape(const std::string& text, const std::string& path = "shape");
@@ -57,6 +61,7 @@ std::string toJson(const BodyDef& body);
 std::string toJson(const JointDef& joint);
 std::string toJson(const Deformable& deformable);
 std::string toJson(const Params& params);
+std::string toJson(std::span<const MaterialPair> pairs);
 
 /// Name of a parameter in files: "sort_interval" of "sortInterval".
 std::string parameterKey(const std::string& name);

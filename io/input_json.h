@@ -16,13 +16,13 @@ inline constexpr const char* kInputFormat = "rubble inputs 1";
 
 /// Names of the calls, in the order of inputs::Call.
 inline constexpr std::array kInputNames{
-    "step",           "add_bodies",         "remove_bodies",  "set_collide",
-    "set_states",     "set_target",         "apply_forces",   "apply_impulses",
-    "wake",           "sort_bodies",        "scatter",        "add_joint",
-    "remove_joint",   "set_definition",     "add_deformable", "remove_deformable",
-    "add_attachment", "remove_attachment",  "set_vertices",   "apply_vertex_force",
-    "set_params",     "set_gravity",        "take_snapshot",  "restore",
-    "scatter_joints", "set_body_definition"};
+    "step",           "add_bodies",          "remove_bodies",     "set_collide",
+    "set_states",     "set_target",          "apply_forces",      "apply_impulses",
+    "wake",           "sort_bodies",         "scatter",           "add_joint",
+    "remove_joint",   "set_definition",      "add_deformable",    "remove_deformable",
+    "add_attachment", "remove_attachment",   "set_vertices",      "apply_vertex_force",
+    "set_params",     "set_gravity",         "take_snapshot",     "restore",
+    "scatter_joints", "set_body_definition", "set_material_pair", "set_deformable_definition"};
 static_assert(kInputNames.size() == std::variant_size_v<inputs::Call>);
 
 inline nlohmann::ordered_json inputJson(const Vec3& v) { return {v.x, v.y, v.z}; }

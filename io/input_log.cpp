@@ -7,6 +7,7 @@
 #include "io/definition_json.h"
 #include "io/input_json.h"
 #include "io/scene_json.h"
+#include "io/shape_json.h"
 
 namespace rubble::io {
 namespace {
@@ -112,6 +113,12 @@ struct Arguments {
   }
   Ordered operator()(const inputs::SetParams& c) const {
     return {{"params", Ordered::parse(toJson(c.params))}};
+  }
+  Ordered operator()(const inputs::SetMaterialPair& c) const {
+    return {{"pair", materialPairJson(c.pair)}, {"removed", c.removed}};
+  }
+  Ordered operator()(const inputs::SetDeformableDefinition& c) const {
+    return {{"id", inputJson(c.id)}, {"deformable", Ordered::parse(toJson(c.deformable))}};
   }
   Ordered operator()(const inputs::SetGravity& c) const { return {{"gravity", inputJson(c.gravity)}}; }
 };

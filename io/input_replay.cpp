@@ -115,6 +115,11 @@ class Replayer {
       world_.setParams(params);
     } else if (name == "set_gravity") {
       world_.setGravity(vectorOf(c.at("gravity")));
+    } else if (name == "set_material_pair") {
+      const MaterialPair pair = parseMaterialPair(c.at("pair").dump());
+      c.at("removed") ? world_.removeMaterialPair(pair.a, pair.b) : world_.setMaterialPair(pair);
+    } else if (name == "set_deformable_definition") {
+      world_.setDefinition(idOf<DeformableId>(c.at("id")), parseDeformable(c.at("deformable").dump()));
     } else if (name == "take_snapshot") {
       snapshots_.push_back(world_.snapshot());
     } else if (name == "restore") {

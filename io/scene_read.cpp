@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "io/scene_reader.h"
+#include "io/shape_json.h"
 #include "io/soft_json.h"
 
 namespace rubble::io {
@@ -17,6 +18,7 @@ const std::vector<std::string>& SceneReader::keys() {
 
 /// Lists of a scene and what is expected of each, in the order in which they are read.
 static constexpr std::pair<const char*, const char*> kLists[] = {
+    {"material_pairs", "a list of rules for two materials"},
     {"bodies", "a list of bodies"},
     {"joints", "a list of joints"},
     {"deformables", "a list of deformable objects"},
@@ -69,7 +71,9 @@ void SceneReader::set(SceneFile& out, const std::string& key, const Node& value)
 
 void SceneReader::add(SceneFile& out, const std::string& list, const Node& element) {
   Scene& scene = out.scene;
-  if (list == "bodies")
+  if (list == "material_pairs")
+    scene.materialPairs.push_back(readMaterialPair(element));
+  else if (list == "bodies")
     addBody(scene, element);
   else if (list == "joints")
     scene.joints.push_back(joint(element, scene));

@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "io/joint_reader.h"
 #include "io/json_text.h"
@@ -71,7 +72,8 @@ class SceneWriter {
   Json claim(const FileClaim& claim) const;
 
   const SceneFile& file_;
-  std::map<std::vector<double>, std::pair<std::string, Material>> materials_;
+  std::map<std::pair<std::vector<double>, std::string>, std::pair<std::string, Material>> materials_;
+  std::set<std::string> materialNames_;                     ///< keys of materials_ in the file
   std::map<const ShapeGeometry*, std::string> shapeNames_;  ///< of several bodies
   std::vector<std::pair<std::string, Shape>> shapes_;       ///< the same in the order of their second use
   std::map<std::string, int> nameUses_;
@@ -80,8 +82,12 @@ class SceneWriter {
 
 void SceneWriter::nameMaterial(const Material& material) {
   const auto key = materialKey(material);
-  if (key != materialKey(Material{}))
-    materials_.try_emplace(key, "material" + std::to_string(materials_.size() + 1), material);
+  if (key == materialKey(Material{}) || materials_.contains(key)) return;
+  std::string name = material.name;
+  for (std::size_t k = materials_.size() + 1; name.empty() || materialNames_.contains(name); ++k)
+    name = "material" + std::to_string(k);
+  materialNames_.insert(name);
+  materials_.emplace(key, std::pair(name, material));
 }
 
 Json SceneWriter::materialName(const Material& material) const {
@@ -186,7 +192,13 @@ Json SceneWriter::write() {
   if (!same(file_.dt, SceneFile{}.dt)) json["dt"] = file_.dt;
   if (file_.camera)
     json["camera"] = {{"eye", vectorJson(file_.camera->eye)}, {"target", vectorJson(file_.camera->target)}};
-  for (const auto& [key, named] : materials_) json["materials"][named.first] = materialJson(named.second);
+  for (const auto& [key, named] : materials_) {
+    Json& material = json["materials"][named.first] = materialJson(named.second);
+    material["name"] = named.second.name;
+    if (named.first == named.second.name) material.erase("name");
+  }
+  for (const MaterialPair& pair : scene.materialPairs)
+    json["material_pairs"].push_back(materialPairJson(pair));
   for (const auto& [name, shape] : shapes_) json["shapes"][name] = shapeJson(shape);
   json["bodies"] = Json::array();
   for (const BodyDef& added : scene.bodies) json["bodies"].push_back(body(added));

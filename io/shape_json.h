@@ -4,6 +4,8 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "io/json_reader.h"
 
@@ -13,11 +15,13 @@ namespace rubble::io {
 Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
                 const std::function<Material(const Node&)>& material);
 Material readMaterial(const Node& node);
+MaterialPair readMaterialPair(const Node& node);
 
 nlohmann::ordered_json shapeJson(const Shape& shape);
 nlohmann::ordered_json materialJson(const Material& material);
-/// All numbers of a material: equal ones are one.
-std::vector<double> materialKey(const Material& material);
+nlohmann::ordered_json materialPairJson(const MaterialPair& pair);
+/// All numbers of a material and its name: equal ones are one.
+std::pair<std::vector<double>, std::string> materialKey(const Material& material);
 /// A unit quaternion [w, x, y, z], or an axis with an angle in degrees.
 Quat readOrientation(const Node& node);
 

@@ -185,6 +185,27 @@ Material readMaterial(const Node& node) {
   object.read("rolling_friction", out.rollingFriction, kNotNegative);
   object.read("torsional_friction", out.torsionalFriction, kNotNegative);
   object.read("surface_velocity", out.surfaceVelocity);
+  object.read("one_way", out.oneWay);
+  object.read("name", out.name);
+  object.finish();
+  return out;
+}
+
+MaterialPair readMaterialPair(const Node& node) {
+  MaterialPair out;
+  ObjectReader object(node, "a rule for two materials");
+  for (const auto& [key, to] : {std::pair("a", &out.a), std::pair("b", &out.b)})
+    if (const auto name = object.need(key, "the name of a material")) *to = name->text().value_or("");
+  const auto read = [&](const char* key, std::optional<double>& to, const Want& range) {
+    if (const auto found = object.get(key)) to = found->number(range);
+  };
+  read("friction", out.staticFriction, kNotNegative);
+  out.dynamicFriction = out.staticFriction;
+  read("static_friction", out.staticFriction, kNotNegative);
+  read("dynamic_friction", out.dynamicFriction, kNotNegative);
+  read("restitution", out.restitution, kRatio);
+  read("rolling_friction", out.rollingFriction, kNotNegative);
+  read("torsional_friction", out.torsionalFriction, kNotNegative);
   object.finish();
   return out;
 }

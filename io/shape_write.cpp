@@ -21,17 +21,21 @@ Ordered pointsJson(const std::vector<Vec3>& points) {
 
 }  // namespace
 
-std::vector<double> materialKey(const Material& m) {
-  return {m.staticFriction,
-          m.dynamicFriction,
-          m.restitution,
-          double(m.frictionCombine),
-          double(m.restitutionCombine),
-          m.rollingFriction,
-          m.torsionalFriction,
-          m.surfaceVelocity.x,
-          m.surfaceVelocity.y,
-          m.surfaceVelocity.z};
+std::pair<std::vector<double>, std::string> materialKey(const Material& m) {
+  const std::vector<double> numbers{m.staticFriction,
+                                    m.dynamicFriction,
+                                    m.restitution,
+                                    double(m.frictionCombine),
+                                    double(m.restitutionCombine),
+                                    m.rollingFriction,
+                                    m.torsionalFriction,
+                                    m.surfaceVelocity.x,
+                                    m.surfaceVelocity.y,
+                                    m.surfaceVelocity.z,
+                                    m.oneWay.x,
+                                    m.oneWay.y,
+                                    m.oneWay.z};
+  return {numbers, m.name};
 }
 
 nlohmann::ordered_json materialJson(const Material& material) {
@@ -50,6 +54,19 @@ nlohmann::ordered_json materialJson(const Material& material) {
   if (!sameBits(material.rollingFriction, 0)) json["rolling_friction"] = material.rollingFriction;
   if (!sameBits(material.torsionalFriction, 0)) json["torsional_friction"] = material.torsionalFriction;
   if (material.surfaceVelocity != Vec3{}) json["surface_velocity"] = vectorJson(material.surfaceVelocity);
+  if (material.oneWay != Vec3{}) json["one_way"] = vectorJson(material.oneWay);
+  if (!material.name.empty()) json["name"] = material.name;
+  return json;
+}
+
+nlohmann::ordered_json materialPairJson(const MaterialPair& pair) {
+  Ordered json{{"a", pair.a}, {"b", pair.b}};
+  const auto put = [&](const char* key, const std::optional<double>& value) {
+    if (value) json[key] = *value;
+  };
+  put("static_friction", pair.staticFriction), put("dynamic_friction", pair.dynamicFriction);
+  put("restitution", pair.restitution);
+  put("rolling_friction", pair.rollingFriction), put("torsional_friction", pair.torsionalFriction);
   return json;
 }
 

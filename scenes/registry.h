@@ -126,18 +126,14 @@ class Runner {
   const Job& job() const { return job_; }
   StepReport step();  ///< events of this step, the driver, then one step
   RunResult run(int steps, const Observer& observer = {});
-  /// Continues from a snapshot of a run of the same job, after its events up to there.
+  /// Continues from a snapshot of a run of the same job.
   void resume(const Snapshot& checkpoint);
-  /// The world was set back to a snapshot that was taken between two steps: events from there on happen
-  /// again.
-  void rewound();
 
  private:
   static WorldOptions optionsOf(const Job& job, WorldOptions options);
 
   Job job_;
   World world_;
-  std::size_t nextEvent_ = 0;
   bool started_ = false;
 };
 

@@ -57,10 +57,7 @@ bool Player::step() {
 
 void Player::restore(std::int64_t step) {
   const auto& [at, worlds] = history_.before(step);
-  for (std::size_t side = 0; side < runners_.size(); ++side) {
-    runners_[side]->world().restore(worlds[side]);
-    runners_[side]->rewound();
-  }
+  for (std::size_t side = 0; side < runners_.size(); ++side) runners_[side]->world().restore(worlds[side]);
   history_.rewound(at);
   records_.clear();
 }

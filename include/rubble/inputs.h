@@ -81,6 +81,10 @@ struct SetDefinition {
 struct AddDeformable {
   const Deformable& deformable;
 };
+struct SetDeformableDefinition {
+  DeformableId id;
+  const Deformable& deformable;
+};
 struct RemoveDeformable {
   DeformableId id;
 };
@@ -108,6 +112,11 @@ struct SetParams {
 struct SetGravity {
   Vec3 gravity;
 };
+/// Also of the end of a rule (`removed`).
+struct SetMaterialPair {
+  const MaterialPair& pair;
+  bool removed = false;
+};
 struct TakeSnapshot {
   const Snapshot& snapshot;
 };
@@ -119,7 +128,7 @@ using Call = std::variant<Step, AddBodies, RemoveBodies, SetCollide, SetStates, 
                           ApplyImpulses, Wake, SortBodies, Scatter, AddJoint, RemoveJoint, SetDefinition,
                           AddDeformable, RemoveDeformable, AddAttachment, RemoveAttachment, SetVertices,
                           ApplyVertexForce, SetParams, SetGravity, TakeSnapshot, Restore, ScatterJoints,
-                          SetBodyDefinition>;
+                          SetBodyDefinition, SetMaterialPair, SetDeformableDefinition>;
 using Sink = std::function<void(const Call&)>;
 
 }  // namespace rubble::inputs

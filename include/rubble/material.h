@@ -1,6 +1,8 @@
 #pragma once
 /// Surface materials, and constants that definitions of bodies, joints and deformable objects share.
 #include <limits>
+#include <optional>
+#include <string>
 
 #include <rubble/math.h>
 
@@ -39,6 +41,21 @@ struct Material {
   double torsionalFriction = 0;
   /// Velocity of the surface, body axes [m/s]: a conveyor belt. Friction drives touching bodies to it.
   Vec3 surfaceVelocity{};
+  /// One-way surface: the direction, in body axes, of the side that holds. Zero: all sides hold. Another body
+  /// is held if all contact normals between the two are within 60 degrees of the direction when they begin to
+  /// touch. It passes otherwise. Either is kept until the two have parted.
+  Vec3 oneWay{};
+  /// Names the material in pair rules (MaterialPair). Empty: pair rules never apply.
+  std::string name{};
+};
+
+/// Coefficients of contacts between two named materials. Each that is given replaces the mixture of those of
+/// the two materials. If the mixture of one friction coefficient contradicts the other one, which is given,
+/// it takes its value.
+struct MaterialPair {
+  std::string a, b;  ///< Material::name, in any order; may be equal
+  std::optional<double> staticFriction{}, dynamicFriction{}, restitution{};  ///< [1]
+  std::optional<double> rollingFriction{}, torsionalFriction{};              ///< bodies only [m]
 };
 
 }  // namespace rubble

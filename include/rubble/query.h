@@ -16,6 +16,10 @@ struct QueryFilter {
   std::uint32_t mask = 0xffffffffu;
   bool sensors = false;  ///< also test sensors
   BodyId ignore;         ///< body to skip; none if it is not alive
+  /// Also test deformable objects, as bodies of layer 1 that collide with all layers: the triangles of their
+  /// surfaces, from both sides, segments of cables and nets, and particles.
+  bool deformables = false;
+  DeformableId ignoreObject = {};  ///< object to skip; none if it is not alive
 };
 
 struct RayQuery {
@@ -28,16 +32,18 @@ struct RayQuery {
 /// direction. One-sided meshes and height fields are hit from the front only.
 struct RayHit {
   bool hit = false;
-  BodyId body;
+  BodyId body;          ///< BodyId{}: a deformable object
   double distance = 0;  ///< [m]
   Vec3 position;        ///< [m]
-  Vec3 normal;          ///< outward from the body
+  Vec3 normal;          ///< outward from the body; of a sheet: against the ray
   int part = 0;         ///< of a compound: index into its parts
   /// Of a mesh: index into its triangles. Of a height field of countX samples per row: the triangles
   /// 2 (x + y (countX - 1)), which has the corner (x + 1, y), and the next one, which has (x, y + 1), belong
   /// to the cell (x, y). Otherwise -1.
+  /// Of a deformable object: index into the triangles or segments of its definition, or its vertex.
   int triangle = -1;
-  std::uint64_t userData = 0;  ///< BodyDef::userData
+  std::uint64_t userData = 0;  ///< BodyDef::userData, DeformableDef::userData
+  DeformableId object = {};    ///< DeformableId{}: a body
 };
 
 /// Sweep of a convex shape or compound along a line, without rotation.
@@ -57,7 +63,10 @@ struct CastHit {
   /// Outward from the body, toward the shape. Zero if they overlap deeply at the start.
   Vec3 normal;
   int part = 0;                ///< of a compound: index into its parts
-  std::uint64_t userData = 0;  ///< BodyDef::userData
+  std::uint64_t userData = 0;  ///< BodyDef::userData, DeformableDef::userData
+  DeformableId object = {};    ///< DeformableId{}: a body
+  /// As RayHit::triangle. Of bodies in the results of World::castShapesAll() only.
+  int triangle = -1;
 };
 
 /// Overlap test. Meshes and height fields overlap where their surface does.
@@ -66,6 +75,14 @@ struct OverlapQuery {
   Vec3 position;  ///< [m]
   Quat orientation;
   QueryFilter filter;
+};
+
+struct OverlapHit {
+  BodyId body;                 ///< BodyId{}: a deformable object
+  DeformableId object = {};    ///< DeformableId{}: a body
+  int part = 0;                ///< of a compound: index into its parts
+  int triangle = -1;           ///< of a deformable object, as RayHit::triangle: one of those that overlap
+  std::uint64_t userData = 0;  ///< BodyDef::userData, DeformableDef::userData
 };
 
 struct ClosestQuery {
@@ -80,7 +97,9 @@ struct ClosestHit {
   double distance = 0;         ///< [m]
   Vec3 position;               ///< [m]
   int part = 0;                ///< of a compound: index into its parts
-  std::uint64_t userData = 0;  ///< BodyDef::userData
+  std::uint64_t userData = 0;  ///< BodyDef::userData, DeformableDef::userData
+  DeformableId object = {};    ///< DeformableId{}: a body
+  int triangle = -1;           ///< of a deformable object, as RayHit::triangle
 };
 
 }  // namespace rubble

@@ -20,5 +20,6 @@
 #include <rubble/result.h>
 #include <rubble/rod.h>
 #include <rubble/scene.h>
+#include <rubble/tasks.h>
 #include <rubble/world.h>
 #endif

@@ -313,7 +313,8 @@ struct Event {
 struct Scene {
   std::string name;
   std::string description;
-  Vec3 gravity{0, 0, -9.81};  ///< [m/s2]
+  Vec3 gravity{0, 0, -9.81};                ///< [m/s2]
+  std::vector<MaterialPair> materialPairs;  ///< at most one of two names
   std::vector<BodyDef> bodies;
   std::vector<JointDef> joints;
   std::vector<std::pair<int, int>> exclusions;  ///< pairs of body indices that do not collide
@@ -330,6 +331,7 @@ MassProperties massProperties(const Shape& shape, double density);
 /// Throws Error with the path of the first invalid field ("scene.bodies[3].mass").
 void validate(const Scene& scene);
 void validate(const BodyDef& body, const Path& path);
+void validate(const MaterialPair& pair, const Path& path);
 /// Checks a shape without cooking it: finite numbers, consistent list sizes. Cooking may still find that a
 /// hull is flat.
 void validate(const Shape& shape, const Path& path);

@@ -19,6 +19,7 @@
 #include <rubble/ranks.h>
 #include <rubble/report.h>
 #include <rubble/scene.h>
+#include <rubble/tasks.h>
 
 namespace rubble {
 
@@ -83,6 +84,8 @@ struct WorldOptions {
   /// Collect the events of each step. On a GPU this copies its contacts to the host.
   bool events = false;
   LogSink log = {};  ///< empty: no log
+  /// "cpu", "reference" and Worlds of them: a scheduler of the host, in place of `threads`.
+  TaskSystem tasks = {};
 };
 
 /// The complete state of a world. A restored world continues bit for bit, if its backend is the same. The
@@ -110,16 +113,26 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  /// Advances the world by params().dt. Scripted events of the scene are not applied: see
-  /// rubble::scenes::Runner. Throws OutOfMemory if memory cannot be allocated. If stepCount() is unchanged,
-  /// the world has kept its state but lost its contacts, which the next step detects again. Else the step is
-  /// complete, and only its report and its events are lost.
+  /// Advances the world by params().dt, after the scripted events of the scene that are due. Throws Error for
+  /// an event that names what is not there; the next call goes on after it. Throws OutOfMemory if memory
+  /// cannot be allocated. If stepCount() is unchanged, the world has kept its state but lost its contacts,
+  /// which the next step detects again. Else the step is complete, and only its report and its events are
+  /// lost.
   StepReport step();
+  /// Applies the scripted events that are due, as calls of this interface, so that changes before the next
+  /// step find them done. Snapshots hold events that are not due yet.
+  void runEvents();
 
   const Params& params() const;
   void setParams(const Params& params);
   Vec3 gravity() const;
   void setGravity(const Vec3& gravity);
+  /// Adds a rule for two named materials, in place of the one they had. Materials of these names may come
+  /// later.
+  void setMaterialPair(const MaterialPair& pair);
+  /// Throws Error if the two names have no rule.
+  void removeMaterialPair(const std::string& a, const std::string& b);
+  const std::vector<MaterialPair>& materialPairs() const;
   std::int64_t stepCount() const;
   double time() const;  ///< [s]
 
@@ -267,6 +280,11 @@ class World {
   DeformableId findDeformable(const std::string& name) const;
   DeformableId deformableAt(int sceneIndex) const;  ///< object of Scene::deformables[sceneIndex]
   const Deformable& definition(DeformableId id) const;
+  /// Replaces the definition from the next step on. The kind, the name and the number of vertices must be
+  /// unchanged. `start` and the velocities are ignored. Vertices keep position, velocity and contacts.
+  /// Elements of the same vertices keep multipliers, tears and plastic strain; where there is plastic strain,
+  /// `vertices` no longer gives the rest shape.
+  void setDefinition(DeformableId id, const Deformable& deformable);
   void setUserData(DeformableId id, std::uint64_t userData);
   std::uint64_t userData(DeformableId id) const;
   int vertexCount(DeformableId id) const;
@@ -327,6 +345,12 @@ class World {
   std::vector<std::vector<BodyId>> overlaps(
       std::span<const OverlapQuery> shapes);  ///< bodies of each query, by slot
   std::vector<ClosestHit> closestPoints(std::span<const ClosestQuery> points);
+  // All hits of each query: the first one of each part of each body, and of each deformable object, by
+  // fraction; then bodies before objects, by slot and part. The host answers them. On a GPU they copy the
+  // world to it.
+  std::vector<std::vector<RayHit>> castRaysAll(std::span<const RayQuery> rays);
+  std::vector<std::vector<CastHit>> castShapesAll(std::span<const CastQuery> casts);
+  std::vector<std::vector<OverlapHit>> overlapsAll(std::span<const OverlapQuery> shapes);
 
   /// Memory of the tables of the engine, on the device or host [bytes].
   std::size_t memoryBytes() const;

@@ -244,6 +244,14 @@ class ClosestHit(Structure):
     ]
 
 
+class Hit(Structure):
+    _fields_ = [
+        ("body", BodyId), ("object", DeformableId), ("part", c_int32), ("triangle", c_int32),
+        ("distance", c_double), ("position", c_double * 3), ("normal", c_double * 3),
+        ("user_data", c_uint64),
+    ]
+
+
 class Pose(Structure):
     _fields_ = [
         ("position", c_double * 3), ("orientation", c_double * 4),
@@ -311,6 +319,9 @@ FUNCTIONS = {
     "rb_world_set_params": (c_int, [c_void_p, c_char_p]),
     "rb_world_gravity": (c_int, [c_void_p, c_void_p]),
     "rb_world_set_gravity": (c_int, [c_void_p, c_void_p]),
+    "rb_world_set_material_pair": (c_int, [c_void_p, c_char_p]),
+    "rb_world_remove_material_pair": (c_int, [c_void_p, c_char_p, c_char_p]),
+    "rb_world_material_pairs": (c_int, [c_void_p, c_void_p]),
     "rb_world_step_count": (c_int64, [c_void_p]),
     "rb_world_time": (c_double, [c_void_p]),
     "rb_world_add_body": (c_int, [c_void_p, c_char_p, c_void_p]),
@@ -374,6 +385,7 @@ FUNCTIONS = {
     "rb_world_find_deformable": (c_int, [c_void_p, c_char_p, c_void_p]),
     "rb_world_deformable_at": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_world_deformable_definition": (c_int, [c_void_p, DeformableId, c_void_p]),
+    "rb_world_set_deformable": (c_int, [c_void_p, DeformableId, c_char_p]),
     "rb_world_deformable_name": (c_int, [c_void_p, DeformableId, c_void_p]),
     "rb_world_vertex_count": (c_int, [c_void_p, DeformableId, c_void_p]),
     "rb_world_vertex_positions": (c_int, [c_void_p, DeformableId, c_void_p, c_int64]),
@@ -401,6 +413,9 @@ FUNCTIONS = {
     "rb_world_cast_shapes": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
     "rb_world_overlaps": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_world_closest_points": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
+    "rb_world_cast_rays_all": (c_int, [c_void_p, c_void_p, c_int64, c_int32, c_void_p, c_void_p]),
+    "rb_world_cast_shapes_all": (c_int, [c_void_p, c_void_p, c_int64, c_int32, c_void_p, c_void_p]),
+    "rb_world_overlaps_all": (c_int, [c_void_p, c_void_p, c_int64, c_int32, c_void_p, c_void_p]),
     "rb_world_memory_bytes": (c_int64, [c_void_p]),
     "rb_world_reserve": (c_int, [c_void_p, c_char_p, c_int32]),
     "rb_world_hash": (c_int, [c_void_p, c_void_p]),

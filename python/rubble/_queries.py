@@ -124,6 +124,45 @@ class Queries:
         found = [Body(self, _abi.BodyId(*id)) for id in ids]  # type: ignore[arg-type]
         return [found[begin:end] for begin, end in zip(ends[:-1], ends[1:])]
 
+    def _all(self, function: Any, queries: np.ndarray, deformables: bool) -> list[np.ndarray]:
+        offsets, hits = ctypes.c_void_p(), ctypes.c_void_p()
+        check(function(self._pointer, queries.ctypes.data, len(queries), int(deformables),
+                       ctypes.byref(offsets), ctypes.byref(hits)))
+        ends = structs(offsets.value, len(queries) + 1, ctypes.c_int64)
+        found = structs(hits.value, int(ends[-1]), _abi.Hit)
+        return [found[begin:end].copy() for begin, end in zip(ends[:-1], ends[1:])]
+
+    def cast_rays_all(self, origins: Any, directions: Any, max_distance: float = 1e6, *,
+                      deformables: bool = False, **filter: Unpack[FilterFields]) -> list[np.ndarray]:
+        """All hits of many rays, ascending in distance: the first of each part of each body and, with
+        `deformables`, of each deformable object.
+
+        Returns:
+            A structured array for each ray: "body", "object" (index -1: none), "part", "triangle",
+            "distance" [m], "position" [m], "normal", "user_data".
+        """
+        start = matrix(origins, "origins")
+        rays = np.zeros(len(start), np.dtype(_abi.Ray))
+        rays["origin"], rays["max_distance"] = start, max_distance
+        rays["direction"] = matrix(directions, "directions", rows=len(start))
+        _set_filter(rays, **filter)
+        return self._all(lib.rb_world_cast_rays_all, rays, deformables)
+
+    def cast_shapes_all(self, shape: Definition, positions: Any, displacements: Any, orientations: Any = None,
+                        *, deformables: bool = False, **filter: Unpack[FilterFields]) -> list[np.ndarray]:
+        """All hits of a shape on many ways, as `cast_rays_all`; "distance" is the fraction of the way."""
+        handle = ShapeHandle(shape)
+        casts = _placed(np.dtype(_abi.Cast), handle, positions, orientations, filter)
+        casts["displacement"] = matrix(displacements, "displacements", rows=len(casts))
+        return self._all(lib.rb_world_cast_shapes_all, casts, deformables)
+
+    def overlaps_all(self, shape: Definition, positions: Any, orientations: Any = None, *,
+                     deformables: bool = False, **filter: Unpack[FilterFields]) -> list[np.ndarray]:
+        """What overlaps a shape at each of many places, as `cast_rays_all` without positions and normals."""
+        handle = ShapeHandle(shape)
+        queries = _placed(np.dtype(_abi.Overlap), handle, positions, orientations, filter)
+        return self._all(lib.rb_world_overlaps_all, queries, deformables)
+
     def closest_point(self, point: Vector, max_distance: float = 1e3,
                       **filter: Unpack[FilterFields]) -> Optional[Hit]:
         """Closest point of any body to a point [m], or None."""

@@ -107,7 +107,7 @@ class Run:
         return self.finish()
 
     def rewound(self) -> None:
-        """Call after ``run.world.restore``: events from there on happen again."""
+        """No longer needed: snapshots hold the events that are not due yet."""
         check(lib.rb_run_rewound(self._handle.pointer))
 
     def finish(self) -> Verdict:

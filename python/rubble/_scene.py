@@ -107,8 +107,8 @@ class Scene:
             check(lib.rb_scene_set(self._pointer, key.encode(), encode(value)))
 
     def add(self, list: str, definition: Any) -> int:
-        """Adds an element to "bodies", "joints", "deformables", "attachments", "exclusions", "events" or
-        "verdict". Returns its index."""
+        """Adds an element to "bodies", "joints", "deformables", "attachments", "exclusions", "events",
+        "material_pairs" or "verdict". Returns its index."""
         out = ctypes.c_int64()
         check(lib.rb_scene_add(self._pointer, list.encode(), encode(definition), ctypes.byref(out)))
         return out.value
@@ -147,6 +147,11 @@ class Scene:
     def exclude(self, a: Union[str, int], b: Union[str, int]) -> int:
         """Two bodies that do not collide."""
         return self.add("exclusions", [a, b])
+
+    def add_material_pair(self, a: str, b: str, **coefficients: float) -> int:
+        """A rule for contacts of two named materials: friction (or static_friction and dynamic_friction),
+        restitution [1], rolling_friction and torsional_friction [m] that replace the mixtures."""
+        return self.add("material_pairs", {"a": a, "b": b, **coefficients})
 
     def count(self, list: str) -> int:
         """Number of elements of a list."""

@@ -43,6 +43,12 @@ class Deformable(NamedElement):
         check(function(self._world._pointer, self._id, out.ctypes.data, count))
         return out
 
+    def set(self, **values: Unpack[DeformableFields]) -> None:
+        """Replaces fields of the definition from the next step on, with the keys of scene files:
+        ``set(youngs_modulus=2e5)``. Vertices keep position, velocity and contacts, elements their state.
+        """
+        check(lib.rb_world_set_deformable(self._world._pointer, self._id, encode(values)))
+
     def __len__(self) -> int:
         """Number of vertices."""
         out = ctypes.c_int64()

@@ -202,6 +202,18 @@ class World(StateArrays, Queries, View):
     def gravity(self, value: Vector) -> None:
         check(lib.rb_world_set_gravity(self._pointer, vector(value, "gravity")))
 
+    def set_material_pair(self, a: str, b: str, **coefficients: float) -> None:
+        """Adds a rule for two named materials, or replaces theirs, as `Scene.add_material_pair`."""
+        check(lib.rb_world_set_material_pair(self._pointer, encode({"a": a, "b": b, **coefficients})))
+
+    def remove_material_pair(self, a: str, b: str) -> None:
+        check(lib.rb_world_remove_material_pair(self._pointer, a.encode(), b.encode()))
+
+    @property
+    def material_pairs(self) -> list[dict[str, Any]]:
+        """All rules of pairs of materials."""
+        return json_of(lib.rb_world_material_pairs, self._pointer)
+
     @property
     def step_count(self) -> int:
         return lib.rb_world_step_count(self._pointer)

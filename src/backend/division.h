@@ -93,6 +93,7 @@ template <> struct Divided<TestNewPairs> : DividedBy<Cut::Whole, Share::None, Sh
 template <> struct Divided<RecycleManifolds> : DividedBy<Cut::ActivePairs> {};
 template <> struct Divided<TestPairs> : DividedBy<Cut::Tested> {};
 template <> struct Divided<TestGeneralPairs> : DividedBy<Cut::Tested> {};
+template <> struct Divided<DecideOneWay> : DividedBy<Cut::ActivePairs> {};
 template <> struct Divided<BuildRolling> : DividedBy<Cut::ActivePairs> {};
 template <> struct Divided<BuildContactRows> : DividedBy<Cut::ActivePairs, Share::None, Share::Rows> {};
 template <class L> struct Divided<UpdateContactDuals<L>> : DividedBy<Cut::Rows, Share::NodePoses> {};

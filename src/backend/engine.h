@@ -85,6 +85,8 @@ class Engine {
   /// The first hit, or the nearest body, of each query. Valid until the next query.
   virtual std::span<const EngineHit> hits(const EngineQueries& asked) = 0;
   virtual EngineOverlaps overlaps(const EngineQueries& asked) = 0;
+  /// The first hit of each part of each body, of rays, casts and overlaps, on the host.
+  virtual EngineAllHits allHits(const EngineQueries& asked) = 0;
 
   /// Includes all edits.
   virtual ArrayView array(StateArray which) = 0;
@@ -121,15 +123,17 @@ std::unique_ptr<Engine> makeCudaEngine(bool timings);
 namespace f32 {
 /// Hash of the names and element sizes of all kept arrays: states of equal layouts may be exchanged.
 std::uint64_t tableLayout();
-std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings);
+std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings, TaskSystem tasks = {});
 /// Two engines of this precision, compared after every kernel.
 /// Ranks as threads, or one rank of the processes that share the world.
 std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, int threads, bool timings);
 std::unique_ptr<Engine> makeLockstepEngine(std::unique_ptr<Engine> a, std::unique_ptr<Engine> b);
 }  // namespace f32
 namespace f64 {
+/// Declared in tables/soft_queries.h too.
+std::vector<std::vector<EngineHit>> softHits(const EngineQueries& asked, const EngineSoftTargets& targets);
 std::uint64_t tableLayout();
-std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings);
+std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings, TaskSystem tasks = {});
 }  // namespace f64
 
 }  // namespace rubble

@@ -45,7 +45,8 @@ struct Manifold {
   ManifoldBits activePoints;  ///< bit k: point k is active in this step
   ManifoldBits normalOnB : 1;
   ManifoldBits recycled : 1;                          ///< reused without a full test in this step
-  ManifoldBits count : 8 * sizeof(ManifoldBits) - 2;  ///< points; 0: no contact
+  ManifoldBits count : 8 * sizeof(ManifoldBits) - 3;  ///< points; 0: no contact
+  ManifoldBits passes : 1;                            ///< a one-way surface lets the other body pass: no rows
 };
 static_assert(sizeof(Manifold) == 64 * sizeof(Real));
 
@@ -121,11 +122,11 @@ RUBBLE_HD inline Manifold newManifold(const RawManifold& raw, const PairPose& pa
   }
   m.normal = raw.n;
   m.localNormal = rotateInverse(raw.normalOnB ? pair.qB : pair.qA, raw.n);
-  m.count = static_cast<std::uint8_t>(raw.count) & 63;
+  m.count = static_cast<std::uint8_t>(raw.count) & 31;
   m.row = -1;
   m.stick = m.impact = m.activePoints = 0;
   m.normalOnB = raw.normalOnB;
-  m.recycled = false;
+  m.recycled = m.passes = false;
   return m;
 }
 
@@ -174,7 +175,7 @@ RUBBLE_HD inline Manifold recycledManifold(const Manifold& old, const PairPose& 
   for (int k = 0; k < m.count; ++k) transferLoad(old, k, m, k);
   m.row = -1;
   m.impact = 0;
-  m.recycled = true;
+  m.recycled = true, m.passes = false;
   return m;
 }
 

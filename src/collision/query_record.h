@@ -16,8 +16,9 @@ struct EngineQuery {
   int shape = -1;    ///< of a cast and of an overlap: its place among the shapes of the batch
   std::uint32_t layers = 0, mask = 0;
   int sensors = 0;
-  int ignore = -1;  ///< id of the body to skip, or -1
-  int world = 0;    ///< of a batch: whose bodies are found. Ids are numbers in it
+  int deformables = 0;  ///< 1: deformable objects are found too
+  int ignore = -1;      ///< id of the body to skip, or -1
+  int world = 0;        ///< of a batch: whose bodies are found. Ids are numbers in it
 };
 
 struct EngineHit {

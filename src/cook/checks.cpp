@@ -86,6 +86,7 @@ void material(const Material& m, const Path& path) {
   notNegative(m.rollingFriction, path + ".rollingFriction");
   notNegative(m.torsionalFriction, path + ".torsionalFriction");
   finite(m.surfaceVelocity, path + ".surfaceVelocity");
+  finite(m.oneWay, path + ".oneWay");
 }
 
 void field(const FieldInfo& info, double value, const Path& path) {

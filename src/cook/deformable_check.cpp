@@ -61,6 +61,7 @@ void checkCommon(const DeformableDef& d, std::size_t least, const Path& path) {
   none(m.torsionalFriction, "torsionalFriction", "0: vertices do not turn");
   none(length(m.surfaceVelocity), "surfaceVelocity",
        "none: only the surfaces of bodies move along themselves");
+  none(length(m.oneWay), "oneWay", "none: only bodies have one-way surfaces");
   finite(d.gravityScale, path + ".gravityScale");
   for (std::size_t i = 0; i < d.elements.size(); ++i) checkElement(d, d.elements[i], (path + ".elements")[i]);
 }

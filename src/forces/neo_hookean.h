@@ -123,6 +123,13 @@ struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
     steepest = kMostSteepness * steepness();
   }
 
+  /// As set(), but plastic flow has the last word on the rest shape.
+  void redefine(const Model& in) {
+    const Vec3 flowed[3] = {m[0], m[1], m[2]};
+    set(in);
+    for (int k = 0; k < 3 && plasticStrain > Real(0); ++k) m[k] = flowed[k];
+  }
+
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&x)[kCorners]) {
     if (damper > Real(0)) strainStart = greenStrain(deformation(x));
   }

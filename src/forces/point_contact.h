@@ -21,7 +21,8 @@ struct alignas(4 * sizeof(Real)) PointContact {  // aligned for vectorized loads
   int part;                                      ///< part of its shape
   int depth;            ///< coarse levels at which its two sides are in different aggregates
                         ///< (stages/coarse/soft_nodes.h)
-  int active;           ///< 1: has rows in this step
+  int active : 16;      ///< 1: has rows in this step
+  int passes : 16;      ///< 1: the vertex passes a one-way surface: no rows
   int stick, impact;    ///< 1: it stuck at the end of the step; 1: it has an impact in this step
   Vec3 n;               ///< unit
   Vec3 lever;           ///< r [m]

@@ -118,6 +118,9 @@ struct EngineSoftObject {
   std::shared_ptr<const SoftModel> model;
   SoftRange at;
   SoftRange previous;  ///< location at the last call; vertex -1: new
+  int surface = -1;    ///< index into the materials of SetSurfaces, -1: a material without a name
+  /// Its model at the last call, if it has another one now, with as many vertices. Null: the same.
+  std::shared_ptr<const SoftModel> before = nullptr;
 };
 
 }  // namespace rubble

@@ -38,6 +38,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::shapeIndex, "shapeIndex", "", Per::ShapeIndex, Lifetime::Authored);
   is(&SolverData::shapePart, "shapePart", "", Per::ShapePart, Lifetime::Authored);
   is(&SolverData::surface, "surface", "", Per::Surface, Lifetime::Authored);
+  is(&SolverData::materialRule, "materialRule", "", Per::MaterialRule, Lifetime::Batch);
   is(&SolverData::position, "position", "m", Per::Body, Lifetime::State);
   is(&SolverData::orientation, "orientation", "", Per::Body, Lifetime::State);
   is(&SolverData::velocity, "velocity", "m/s", Per::Body, Lifetime::State);

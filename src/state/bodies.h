@@ -28,9 +28,20 @@ static_assert(sizeof(BodyParams) == sizeof(ShapeData) + 2 * sizeof(int) + 9 * si
 /// A material with all its coefficients.
 struct SurfaceData {
   Real muStatic, muDynamic, restitution;
-  int frictionCombine, restitutionCombine;  ///< rubble::Combine
-  Real rolling, torsional;  ///< rolling and torsional resistance: lever of the resisting moment [m]
-  Vec3 velocity;            ///< surface velocity of a conveyor, body axes [m/s]
+  std::uint32_t frictionCombine : 8;  ///< rubble::Combine
+  std::uint32_t kind : 24;            ///< 1 + the first material of this name in the table; 0: it has no name
+  int restitutionCombine;             ///< rubble::Combine
+  Real rolling, torsional;            ///< rolling and torsional resistance: lever of the resisting moment [m]
+  Vec3 velocity;                      ///< surface velocity of a conveyor, body axes [m/s]
+  Vec3 oneWay;                        ///< side of a one-way surface that holds: unit, body axes; 0: all sides
+};
+
+/// Coefficients of contacts between materials of two kinds.
+struct MaterialRule {
+  int world;
+  int low, high;  ///< SurfaceData::kind
+  int given;      ///< bit k: coefficient k replaces the mixture
+  Real muStatic, muDynamic, restitution, rolling, torsional;
 };
 
 /// Properties that few bodies have; read once per step.

@@ -26,6 +26,7 @@ enum class Per {
   ShapeIndex,
   ShapePart,
   Surface,
+  MaterialRule,
   Rolling,
   Bounce,
   FreeIsland,
@@ -61,7 +62,7 @@ inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes:
 /// How long the content of an array stays valid:
 ///   Authored   written by edits
 ///   Derived    computed on the host from authored data
-///   Batch      written by edits of a batch of worlds; no part of the state of a world
+///   Batch      written by edits, as parameters are; no part of the state of a world
 ///   State      kept from step to step
 ///   Work       valid inside one step
 ///   Unordered  like Work; the order of its elements, or what is left of counters and beyond the members of a

@@ -24,6 +24,8 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   bool fixedOrder = false;
   int planes = 0;
   int surfaces = 0;                    ///< materials in the shared table
+  int materialRules = 0;               ///< rules of pairs of materials
+  bool oneWay = false;                 ///< true: some material in the table is one-way
   bool generalShapes = false;          ///< true: some body has a non-primitive shape
   bool rolls = false;                  ///< true: the material of some body has rolling or torsional friction
   bool rolledBefore = false;           ///< `rolls` of the last step
@@ -84,6 +86,7 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<ShapePart> shapePart = nullptr;
   Array<SurfaceData>
       surface = nullptr;  ///< materials with more than two friction coefficients and a restitution
+  Array<MaterialRule> materialRule = nullptr;  ///< ascending in world, low and high
   // bodies: state
   Array<Vec3d> position = nullptr;         ///< center of mass [m]
   Array<Quat> orientation = nullptr;       ///< body -> world

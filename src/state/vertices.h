@@ -15,7 +15,9 @@ struct VertexParams {
   Real length;  ///< L: mean length of its edges, or its diameter for a particle [m]
   Real muStatic, muDynamic;
   Real restitution;
-  int frictionCombine, restitutionCombine;  ///< rubble::Combine
+  std::uint32_t frictionCombine : 8;  ///< rubble::Combine
+  std::uint32_t materialKind : 24;    ///< SurfaceData::kind
+  int restitutionCombine;             ///< rubble::Combine
   Real gravityScale;
   int first;           ///< first vertex of its object, the local origin of the object's elements
   int cluster;         ///< cluster that contains its whole object; -1: the object has no elements

@@ -15,13 +15,14 @@ std::vector<EngineAttachment> inSlots(const HostTables& tables, std::vector<Engi
 }
 
 bool rolls(const Material& m) { return m.rollingFriction > 0 || m.torsionalFriction > 0; }
+bool ruleRolls(const EngineMaterialRule& r) { return r.coefficients[3] > 0 || r.coefficients[4] > 0; }
 
 /// Elements that the tables need for a list of edits. One overload for each kind of edit.
 struct Needs {
   const HostTables& tables;
   int bodies = 0, joints[JointTypes::kSize] = {}, vectors = 0, indices = 0, parts = 0, surfaces = 0,
-      planes = 0, exclusions = 0;
-  bool rolling = tables.view().rolls;
+      rules = 0, planes = 0, exclusions = 0;
+  bool rolling = tables.view().rolls, rollingRules = false;
 
   void operator()(const SetBody& e) { bodies = std::max(bodies, e.id + 1); }
   void operator()(const SetBodyState&) {}
@@ -35,7 +36,9 @@ struct Needs {
   }
   void operator()(const SetSurfaces& e) {
     surfaces = std::max(surfaces, static_cast<int>(e.surfaces.size()));
+    rules = std::max(rules, static_cast<int>(e.rules.size()));
     rolling |= std::ranges::any_of(e.surfaces, rolls);
+    rollingRules |= std::ranges::any_of(e.rules, ruleRolls);
   }
   void operator()(const SetPlanes& e) { planes = std::max(planes, static_cast<int>(e.ids.size())); }
   void operator()(const SetJoint& e) {
@@ -58,9 +61,11 @@ void reserve(HostTables& tables, const Needs& needs) {
   tables.reserve(Per::ShapeIndex, tables.shapeIndices + needs.indices);
   tables.reserve(Per::ShapePart, tables.shapeParts + needs.parts);
   tables.reserve(Per::Surface, needs.surfaces);
+  tables.reserve(Per::MaterialRule, needs.rules);
   tables.reserve(Per::Plane, needs.planes);
   reserveExclusions(tables, needs.exclusions);
-  if (needs.rolling && needs.bodies > 0) tables.reserve(Per::Rolling, tables.capacity(Per::ActivePair));
+  if ((needs.rolling && needs.bodies > 0) || needs.rollingRules)
+    tables.reserve(Per::Rolling, tables.capacity(Per::ActivePair));
 }
 
 /// Applies an edit for which there is memory. One overload for each kind of edit.
@@ -83,7 +88,7 @@ struct Apply {
   void operator()(const AddVelocity& e) const { addVelocity(tables, slot(e.id), e.change); }
   void operator()(const ForgetContacts& e) const { forgetContacts(tables, e.ids); }
   void operator()(const AddShape& e) const { addShape(tables, *e.shape, e.partSurfaces); }
-  void operator()(const SetSurfaces& e) const { setSurfaces(tables, e.surfaces); }
+  void operator()(const SetSurfaces& e) const { setSurfaces(tables, e); }
   void operator()(const SetPlanes& e) const { setPlanes(tables, e.ids, e.firstOfWorld); }
   void operator()(const SetJoint& e) const {
     const int type = static_cast<int>(e.joint.type);

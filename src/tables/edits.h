@@ -37,8 +37,10 @@ struct AddShape {
   std::shared_ptr<const CookedShape> shape;
   std::vector<int> partSurfaces;
 };
+/// All materials, and rules of pairs of them, ascending in world, low and high.
 struct SetSurfaces {
   std::vector<Material> surfaces;
+  std::vector<EngineMaterialRule> rules = {};
 };
 /// The bodies that are planes.
 struct SetPlanes {

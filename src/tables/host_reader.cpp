@@ -23,7 +23,8 @@ Distribution distribution(std::vector<double>& values) {
 /// end).
 template <class Visit> void forEachManifold(const SolverData& s, int begin, int end, Visit&& visit) {
   for (int k = s.oldPairOffset[begin]; k < s.oldPairOffset[end]; ++k)
-    if (const int m = manifoldOfOld(s, k); m >= 0 && s.oldManifold[m].count > 0 && s.oldPair[k].other >= 0)
+    if (const int m = manifoldOfOld(s, k);
+        m >= 0 && s.oldManifold[m].count > 0 && !s.oldManifold[m].passes && s.oldPair[k].other >= 0)
       visit(ordered(s.oldPair[k]), s.oldManifold[m]);
 }
 

@@ -28,14 +28,21 @@ struct HostTables : SolverTables<HostMemory> {
   const TraitCounts& traits() const { return traits_; }
   void setTraits(const TraitCounts& traits) {
     SolverData& s = view();
-    traits_ = traits;
-    s.generalShapes = traits[BodyTrait::GeneralShape] > 0, s.rolls = traits[BodyTrait::Rolls] > 0;
-    s.bounces = traits[BodyTrait::Bounces] > 0, s.locked = traits[BodyTrait::Locked] > 0;
+    if (&traits != &traits_) traits_ = traits;
+    s.generalShapes = traits[BodyTrait::GeneralShape] > 0,
+    s.rolls = traits[BodyTrait::Rolls] > 0 || rulesRoll_;
+    s.bounces = traits[BodyTrait::Bounces] > 0 || rulesBounce_, s.locked = traits[BodyTrait::Locked] > 0;
     s.filtered = traits[BodyTrait::Filtered] > 0;
+  }
+  /// Do pair rules give rolling or torsional friction, and restitution?
+  void setRules(bool roll, bool bounce) {
+    rulesRoll_ = roll, rulesBounce_ = bounce;
+    setTraits(traits_);
   }
 
  private:
   TraitCounts traits_;
+  bool rulesRoll_ = false, rulesBounce_ = false;
 };
 
 }  // namespace rubble::RUBBLE_CORE

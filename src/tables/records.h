@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,6 +36,21 @@ struct EngineBody {
   BodyState state;
 };
 
+/// Coefficients of contacts between materials of two kinds. A kind is 1 + the first material of its name.
+struct EngineMaterialRule {
+  int world = 0, low = 0, high = 0;
+  int given = 0;  ///< bit k: coefficient k replaces the mixture
+  /// Static and dynamic friction, restitution, rolling and torsional friction [1], [m].
+  std::array<double, 5> coefficients{};
+};
+/// Kind of the materials of a name, 0 if there is none or the name is empty.
+inline int materialKind(std::span<const Material> materials, const std::string& name) {
+  if (!name.empty())
+    for (std::size_t k = 0; k < materials.size(); ++k)
+      if (materials[k].name == name) return static_cast<int>(k) + 1;
+  return 0;
+}
+
 struct EngineContact {
   int a, b;
   Vec3 position, normal, force;
@@ -64,6 +80,24 @@ struct EngineQueries {
 /// Ids of the bodies that query i overlaps: those in [offsets[i], offsets[i + 1]), ascending.
 struct EngineOverlaps {
   std::span<const int> offsets, bodies;
+};
+
+/// Hits of query i are those in [offsets[i], offsets[i + 1]), ascending in fraction, body and part.
+struct EngineAllHits {
+  std::span<const int> offsets;
+  std::span<const EngineHit> hits;
+};
+
+/// A triangle, segment or vertex of a deformable object, for queries.
+struct EngineSoftPiece {
+  int object;         ///< slot of its id
+  int index;          ///< in the object
+  int v[3];           ///< positions; -1: fewer corners
+  double radius = 0;  ///< of a segment or vertex [m]
+};
+struct EngineSoftTargets {
+  std::vector<Vec3> positions;  ///< [m]
+  std::vector<EngineSoftPiece> pieces;
 };
 
 /// What a world of a batch has of its own.

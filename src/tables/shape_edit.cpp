@@ -33,17 +33,44 @@ void addShape(HostTables& tables, const CookedShape& shape, const std::vector<in
   }
 }
 
-void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces) {
-  tables.reserve(Per::Surface, static_cast<int>(surfaces.size()));
+void findOneWay(SolverData& s) {
+  s.oneWay = std::any_of(&s.surface[0], &s.surface[0] + s.surfaces, [](const SurfaceData& m) {
+    return m.oneWay != Vec3{0, 0, 0};
+  });
+}
+
+void setSurfaces(HostTables& tables, const SetSurfaces& edit) {
+  tables.reserve(Per::Surface, static_cast<int>(edit.surfaces.size()));
   SolverData& s = tables.view();
-  s.surfaces = static_cast<int>(surfaces.size());
-  for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    const Material& m = surfaces[i];
-    s.surface[i] = {static_cast<Real>(m.staticFriction),    static_cast<Real>(m.dynamicFriction),
-                    static_cast<Real>(m.restitution),       static_cast<int>(m.frictionCombine),
-                    static_cast<int>(m.restitutionCombine), static_cast<Real>(m.rollingFriction),
-                    static_cast<Real>(m.torsionalFriction), Vec3(m.surfaceVelocity)};
+  s.surfaces = static_cast<int>(edit.surfaces.size());
+  for (std::size_t i = 0; i < edit.surfaces.size(); ++i) {
+    const Material& m = edit.surfaces[i];
+    SurfaceData& to = s.surface[i];
+    to = {static_cast<Real>(m.staticFriction),
+          static_cast<Real>(m.dynamicFriction),
+          static_cast<Real>(m.restitution),
+          0,
+          0,
+          static_cast<int>(m.restitutionCombine),
+          static_cast<Real>(m.rollingFriction),
+          static_cast<Real>(m.torsionalFriction),
+          Vec3(m.surfaceVelocity),
+          normalize(Vec3(m.oneWay), Vec3{0, 0, 0})};
+    to.frictionCombine = static_cast<std::uint32_t>(m.frictionCombine) & 0xffu;
+    to.kind = static_cast<std::uint32_t>(materialKind(edit.surfaces, m.name)) & 0xffffffu;
   }
+  findOneWay(s);
+  tables.reserve(Per::MaterialRule, static_cast<int>(edit.rules.size()));
+  s.materialRules = static_cast<int>(edit.rules.size());
+  bool roll = false, bounce = false;
+  for (std::size_t k = 0; k < edit.rules.size(); ++k) {
+    const EngineMaterialRule& r = edit.rules[k];
+    const auto coefficient = [&](std::size_t i) { return static_cast<Real>(r.coefficients[i]); };
+    s.materialRule[k] = {r.world,        r.low,          r.high,         r.given,       coefficient(0),
+                         coefficient(1), coefficient(2), coefficient(3), coefficient(4)};
+    roll |= r.coefficients[3] > 0 || r.coefficients[4] > 0, bounce |= r.coefficients[2] > 0;
+  }
+  tables.setRules(roll, bounce);
 }
 
 }  // namespace rubble::RUBBLE_CORE

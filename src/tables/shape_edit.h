@@ -5,5 +5,7 @@ namespace rubble::RUBBLE_CORE {
 
 /// A cooked shape in the solver precision.
 ShapeData shapeData(const CookedData& shape);
+/// Sets SolverData::oneWay.
+void findOneWay(SolverData& s);
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,7 +1,9 @@
 #include "tables/soft_edit.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <map>
 
 #include "stages/soft/cluster_phases.h"
 #include "tables/soft_graph.h"
@@ -32,7 +34,24 @@ Attachment made(const EngineAttachment& in) {
   return a;
 }
 
-/// Writes the elements of all objects. Elements that existed before keep their state.
+/// Indices of elements by their corners.
+template <class F>
+std::map<std::array<int, F::kCorners>, std::size_t> byCorners(const std::vector<typename F::Model>& models) {
+  std::map<std::array<int, F::kCorners>, std::size_t> out;
+  for (std::size_t i = 0; i < models.size(); ++i) out.emplace(models[i].v, i);
+  return out;
+}
+
+/// Changes the authored data of an element and keeps its state.
+template <class F> void redefine(F& element, const typename F::Model& model) {
+  if constexpr (requires { element.redefine(model); })
+    element.redefine(model);
+  else
+    element.set(model);
+}
+
+/// Writes the elements of all objects. Elements that existed before keep their state. In an object with a new
+/// model they are those of the same corners.
 template <class F> void placeElements(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
   constexpr int kType = typeIndex<F>(ElementTypes{});
   SolverData& s = tables.view();
@@ -44,13 +63,18 @@ template <class F> void placeElements(HostTables& tables, const std::vector<Engi
   for (const EngineSoftObject& o : objects) {
     F* to = s.elementsOf<F>() + o.at.element[kType];
     const auto& models = o.model->list<typename F::Model>();
+    const auto indices = o.before ? byCorners<F>(o.before->list<typename F::Model>())
+                                  : decltype(byCorners<F>(models)){};
     for (std::size_t i = 0; i < models.size(); ++i, ++to) {
-      if (o.previous.vertex < 0) {
+      const auto found = indices.find(models[i].v);
+      if (o.previous.vertex < 0 || (o.before && found == indices.end())) {
         *to = made<F>(models[i], o.at.vertex);
         continue;
       }
-      *to = old[static_cast<std::size_t>(o.previous.element[kType]) + i];
+      const std::size_t from = o.before ? found->second : i;
+      *to = old[static_cast<std::size_t>(o.previous.element[kType]) + from];
       for (int& v : to->v) v += o.at.vertex - o.previous.vertex;
+      if (o.before) redefine(*to, models[i]);
     }
   }
 }
@@ -66,7 +90,7 @@ void placeAttachments(HostTables& tables, const std::vector<EngineAttachment>& a
     if (attachments[i].previous < 0) continue;
     Attachment kept = old[static_cast<std::size_t>(attachments[i].previous)];
     std::ranges::copy(to.v, kept.v);
-    kept.body = to.body;
+    kept.body = to.body, kept.mass = to.mass, kept.length = to.length;
     to = kept;
   }
 }
@@ -107,7 +131,10 @@ struct Moves {
       }
     };
     for (const EngineSoftObject& o : objects) {
-      if (o.previous.vertex < 0) continue;
+      // contacts of a surface of other features are lost
+      if (o.previous.vertex < 0 || (o.before && (o.before->edges.size() != o.model->edges.size() ||
+                                                 o.before->faces.size() != o.model->faces.size())))
+        continue;
       add(o.previous.edge, o.at.edge, o.model->edges.size());
       add(old.edges + o.previous.face, s.edges + o.at.face, o.model->faces.size());
     }
@@ -191,7 +218,8 @@ void placeSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
       p.mass = real(in.mass), p.radius = real(in.radius), p.length = real(in.length);
       p.muStatic = real(m.material.staticFriction), p.muDynamic = real(m.material.dynamicFriction);
       p.restitution = real(m.material.restitution);
-      p.frictionCombine = static_cast<int>(m.material.frictionCombine);
+      p.frictionCombine = static_cast<std::uint32_t>(m.material.frictionCombine) & 0xffu;
+      p.materialKind = o.surface < 0 ? 0 : s.surface[o.surface].kind;
       p.restitutionCombine = static_cast<int>(m.material.restitutionCombine);
       p.gravityScale = real(m.gravityScale);
       p.first = o.at.vertex,
@@ -211,6 +239,7 @@ void placeSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
       s.vertexPosition[v] = old.position[from];
       s.vertexVelocity[v] = old.velocity[from], s.vertexOldVelocity[v] = old.oldVelocity[from];
       s.vertexForce[v] = old.force[from], s.vertexColor[v] = old.color[from];
+      if (o.before && p.kind == VertexKind::Fixed) s.vertexVelocity[v] = s.vertexOldVelocity[v] = {0, 0, 0};
       moves.vertexFrom[static_cast<std::size_t>(v)] = static_cast<int>(from);
       moves.vertexTo[from] = v;
     }

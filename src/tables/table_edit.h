@@ -21,7 +21,7 @@ void clearBodySlots(HostTables& tables, int begin);
 /// Reserves aggregate arrays for the present capacity of bodies and soft nodes.
 void reserveNodes(HostTables& tables);
 void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
-void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
+void setSurfaces(HostTables& tables, const SetSurfaces& edit);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
 /// Everything but its state.
 void setBodyParams(HostTables& tables, int slot, const EngineBody& body);

@@ -1,5 +1,6 @@
 #include "tables/clean_copy.h"
 #include "tables/exclusions.h"
+#include "tables/shape_edit.h"
 #include "tables/soft_edit.h"
 
 #include <algorithm>
@@ -281,6 +282,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   clearBodySlots(tables, counts.bodies);
   s.ordered = inOtherOrder(s);
   countYielding(s);
+  findOneWay(s);
 }
 
 }  // namespace rubble::RUBBLE_CORE

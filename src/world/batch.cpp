@@ -85,8 +85,25 @@ int Batch::surfaceOf(const Material& material) {
                                           [&](const Material& m) { return sameMaterial(m, material); });
   if (found != surfaces_.end()) return static_cast<int>(found - surfaces_.begin());
   surfaces_.push_back(material);
-  engine_->apply(SetSurfaces{surfaces_});
   return static_cast<int>(surfaces_.size()) - 1;
+}
+
+void Batch::sendSurfaces() {
+  SetSurfaces edit{surfaces_};
+  for (int world = 0; world < count(); ++world) {
+    WorldReferences& own = slotAt(members_, world).references;
+    const auto kindInTables = [&](int kind) {
+      return materialKind(surfaces_, slotAt(own.surfaces, kind - 1).name);
+    };
+    for (EngineMaterialRule rule : own.rules) {
+      const int low = kindInTables(rule.low), high = kindInTables(rule.high);
+      rule.low = std::min(low, high), rule.high = std::max(low, high);
+      rule.world = world;
+      edit.rules.push_back(rule);
+    }
+  }
+  sortRules(edit.rules);
+  engine_->apply(edit);
 }
 
 int Batch::placeShape(const AddShape& edit) {
@@ -146,9 +163,18 @@ struct Batch::Translate {
     own.shapeIndices += static_cast<int>(e.shape->indices.size());
   }
   void operator()(const SetSurfaces& e) const {
-    member.references.surfaces = e.surfaces;
+    WorldReferences& own = member.references;
+    const std::size_t before = batch.surfaces_.size();
+    const bool ruled = !own.rules.empty() || !e.rules.empty();
+    const std::size_t kept = std::min(own.surfaces.size(), e.surfaces.size());
+    const auto first = [kept](const std::vector<Material>& list) { return std::span(list).first(kept); };
+    if (own.surfaces.size() > kept ||
+        !std::ranges::equal(first(own.surfaces), first(e.surfaces), sameMaterial))
+      member.surfaces.clear();
+    own.surfaces = e.surfaces, own.rules = e.rules;
     for (std::size_t k = member.surfaces.size(); k < e.surfaces.size(); ++k)
       member.surfaces.push_back(batch.surfaceOf(e.surfaces[k]));
+    if (ruled || batch.surfaces_.size() > before) batch.sendSurfaces();
     batch.layoutChanged_ = true;
   }
   void operator()(SetPlanes e) const {
@@ -184,8 +210,12 @@ struct Batch::Translate {
       const int from = object.previous.vertex;
       object.previous.vertex = -1;
       if (from < 0) continue;
-      for (const EngineSoftObject& before : own.objects)
-        if (before.at.vertex == from && before.model == object.model) object.previous = before.previous;
+      for (const EngineSoftObject& before : own.objects) {
+        if (before.at.vertex != from || before.model != (object.before ? object.before : object.model))
+          continue;
+        object.previous = before.previous;
+        if (before.before) object.before = before.before;
+      }
     }
     for (EngineAttachment& a : e.attachments)
       if (a.previous >= 0) a.previous = slotAt(own.attachments, a.previous).previous;
@@ -218,7 +248,8 @@ void Batch::flushSofts() {
     for (EngineSoftObject& object : member.references.objects) {
       EngineSoftObject& placed = objects.emplace_back(object);
       placed.at = next;
-      object.previous = next;
+      if (placed.surface >= 0) placed.surface = slotAt(member.surfaces, placed.surface);
+      object.previous = next, object.before = nullptr;
       advance(next, sizeOf(*object.model));
     }
     member.count = next;
@@ -331,7 +362,7 @@ void Batch::takeReferences(int world, const WorldSnapshot& snapshot) {
   now.planes = to.planes, now.shapeIndices = to.shapeIndices;
   if (!std::ranges::equal(before.surfaces, to.surfaces, sameMaterial)) {
     member.surfaces.clear();
-    translate(SetSurfaces{to.surfaces});
+    translate(SetSurfaces{to.surfaces, to.rules});
   }
   const auto sameShapes = [](const auto& a, const auto& b) { return a.shape.shape == b.shape.shape; };
   if (!std::ranges::equal(before.shapes, to.shapes, sameShapes)) {

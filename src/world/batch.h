@@ -17,7 +17,8 @@ struct WorldReferences {
   std::vector<PlacedShape> shapes;  ///< ascending in `base`
   int shapeIndices = 0;
   std::vector<Material> surfaces;
-  std::vector<int> planes;  ///< bodies
+  std::vector<EngineMaterialRule> rules;  ///< of these materials
+  std::vector<int> planes;                ///< bodies
   std::set<std::pair<int, int>> excluded;
   std::vector<EngineSoftObject> objects;      ///< `previous`: in the tables
   std::vector<EngineAttachment> attachments;  ///< the same
@@ -83,6 +84,8 @@ class Batch {
   };
   struct Translate;
   int surfaceOf(const Material& material);
+  /// Sends the materials and pair rules of all worlds.
+  void sendSurfaces();
   int placeShape(const AddShape& edit);
   void flushSofts();
   void takeReferences(int world, const WorldSnapshot& snapshot);
@@ -125,6 +128,9 @@ class WorldSlice final : public Engine {
   std::span<EngineQuery> queryRoom(std::size_t n) override { return batch_->engine().queryRoom(n); }
   std::span<const EngineHit> hits(const EngineQueries& asked) override {
     return batch_->engine().hits(ofWorld(asked));
+  }
+  EngineAllHits allHits(const EngineQueries& asked) override {
+    return batch_->engine().allHits(ofWorld(asked));
   }
   EngineOverlaps overlaps(const EngineQueries& asked) override {
     return batch_->engine().overlaps(ofWorld(asked));

@@ -55,6 +55,33 @@ std::uint64_t World::userData(BodyId id) const { return definition(id).userData;
 std::uint64_t World::userData(JointId id) const { return definition(id).userData; }
 std::uint64_t World::userData(DeformableId id) const { return common(definition(id)).userData; }
 
+void World::Impl::setMaterialPairs(std::vector<MaterialPair> pairs) {
+  engine->apply(surfacesEdit(registry.surfaces, pairs));
+  registry.materialPairs = std::move(pairs);
+  configure(true);
+}
+void World::setMaterialPair(const MaterialPair& pair) {
+  validate(pair, "pair");
+  withMemory("setMaterialPair", [&] {
+    std::vector<MaterialPair> pairs = impl_->registry.materialPairs;
+    std::erase_if(pairs, [&](const MaterialPair& p) { return ofSameMaterials(p, pair); });
+    pairs.push_back(pair);
+    impl_->setMaterialPairs(std::move(pairs));
+  });
+  impl_->pass(inputs::SetMaterialPair{pair});
+}
+void World::removeMaterialPair(const std::string& a, const std::string& b) {
+  withMemory("removeMaterialPair", [&] {
+    const MaterialPair pair{a, b};
+    std::vector<MaterialPair> pairs = impl_->registry.materialPairs;
+    if (std::erase_if(pairs, [&](const MaterialPair& p) { return ofSameMaterials(p, pair); }) == 0)
+      throw Error("pair", "two names that have a rule", "\"" + a + "\" and \"" + b + "\"");
+    impl_->setMaterialPairs(std::move(pairs));
+    impl_->pass(inputs::SetMaterialPair{pair, true});
+  });
+}
+const std::vector<MaterialPair>& World::materialPairs() const { return impl_->registry.materialPairs; }
+
 Material World::materialOf(BodyId id, int part) const {
   const BodyDef& def = definition(id);
   const bool hasParts = def.shape.type == ShapeType::Compound;

@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-
-#include <tbb/parallel_for.h>
+#include <limits>
 
 #include <rubble/world.h>
 
 #include "cook/checks.h"
 #include "cook/cook.h"
+#include "tables/loops.h"
 #include "world/world_impl.h"
 
 namespace rubble {
@@ -24,6 +24,7 @@ EngineQuery filtered(const QueryFilter& filter, const Registry& registry) {
   EngineQuery q;
   q.layers = filter.layers, q.mask = filter.mask;
   q.sensors = filter.sensors;
+  q.deformables = filter.deformables && (filter.mask & CollisionFilter{}.layers) != 0 && filter.layers != 0;
   q.ignore = registry.bodies.alive(filter.ignore) ? filter.ignore.index : -1;
   return q;
 }
@@ -39,20 +40,94 @@ int authoredTriangle(const Registry& registry, const Shape& shape, int triangle)
 template <class Hit> Hit hitOf(const Registry& registry, const EngineHit& found) {
   Hit hit;
   if (found.body < 0) return hit;
-  hit.hit = true;
+  if constexpr (requires { hit.hit; }) hit.hit = true, hit.position = found.position;
   hit.body = *registry.bodies.at(found.body);
-  hit.position = found.position;
   hit.part = found.part;
   hit.userData = registry.bodies[hit.body].def.userData;
   return hit;
 }
 
 /// f(i) for all i < n, in parallel if that pays.
-template <class F> void forEachIndex(std::size_t n, F&& f) {
-  constexpr std::size_t kGrain = 2048;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) f(i);
-  });
+template <class F> void forEachIndex(const TaskSystem& tasks, std::size_t n, F&& f) {
+  constexpr int kGrain = 2048;
+  const auto each = [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) f(static_cast<std::size_t>(i));
+  };
+  if (n <= static_cast<std::size_t>(kGrain)) return each(0, static_cast<int>(n));
+  forEachRange(tasks, static_cast<int>(n), kGrain, each);
+}
+
+/// The part of a hit on a deformable object that all kinds have.
+template <class Hit> Hit objectHitOf(const Registry& registry, const EngineHit& found) {
+  Hit hit;
+  hit.object = *registry.softs.at(found.body);
+  hit.triangle = found.triangle;
+  hit.userData = common(registry.softs[hit.object].def).userData;
+  if constexpr (requires { hit.hit; }) hit.hit = true, hit.position = found.position;
+  return hit;
+}
+
+void setFraction(RayHit& hit, const EngineHit& found, const RayQuery& ray) {
+  hit.distance = found.fraction * ray.maxDistance, hit.normal = found.normal;
+}
+void setFraction(CastHit& hit, const EngineHit& found, const CastQuery&) {
+  hit.fraction = found.fraction, hit.normal = found.normal;
+}
+void setFraction(OverlapHit&, const EngineHit&, const OverlapQuery&) {}
+void setFraction(ClosestHit& hit, const EngineHit& found, const ClosestQuery&) {
+  hit.distance = found.fraction;
+}
+
+/// Hits of the queries on deformable objects; empty if none asks for them.
+template <class World, class Query>
+std::vector<std::vector<EngineHit>> objectHits(World& world, const EngineQueries& asked,
+                                               std::span<const Query> queries) {
+  if (std::ranges::none_of(asked.queries, [](const EngineQuery& q) { return q.deformables != 0; })) return {};
+  auto lists = f64::softHits(asked, world.softTargets());
+  for (std::size_t i = 0; i < lists.size(); ++i)
+    if (const DeformableId skipped = queries[i].filter.ignoreObject; world.registry.softs.alive(skipped))
+      std::erase_if(lists[i], [&](const EngineHit& hit) { return hit.body == skipped.index; });
+  return lists;
+}
+
+/// Replaces first hits by those on deformable objects that come before.
+template <class World, class Hit, class Query>
+void mergeFirst(World& world, const EngineQueries& asked, std::span<const EngineHit> bodies,
+                std::span<const Query> queries, std::span<Hit> hits) {
+  const auto lists = objectHits(world, asked, queries);
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    if (lists[i].empty()) continue;
+    const EngineHit& found = lists[i].front();
+    if (bodies[i].body >= 0 && bodies[i].fraction <= found.fraction) continue;
+    hits[i] = objectHitOf<Hit>(world.registry, found);
+    setFraction(hits[i], found, queries[i]);
+  }
+}
+
+/// All hits, of bodies and objects. `bodyHit(hit, i)`: a hit of query i on a body.
+template <class Hit, class World, class Query, class BodyHit>
+std::vector<std::vector<Hit>> mergeAll(World& world, const EngineQueries& asked,
+                                       std::span<const Query> queries, BodyHit&& bodyHit) {
+  const auto lists = objectHits(world, asked, queries);
+  const EngineAllHits found = world.engine->allHits(asked);
+  std::vector<std::vector<Hit>> out(queries.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const auto objects = lists.empty() ? std::span<const EngineHit>() : std::span(lists[i]);
+    auto object = objects.begin();
+    const auto addObjects = [&](double below) {
+      for (; object != objects.end() && object->fraction < below; ++object) {
+        out[i].push_back(objectHitOf<Hit>(world.registry, *object));
+        setFraction(out[i].back(), *object, queries[i]);
+      }
+    };
+    for (int k = found.offsets[i]; k < found.offsets[i + 1]; ++k) {
+      const EngineHit& hit = found.hits[static_cast<std::size_t>(k)];
+      addObjects(hit.fraction);
+      out[i].push_back(bodyHit(hit, i));
+    }
+    addObjects(std::numeric_limits<double>::infinity());
+  }
+  return out;
 }
 
 /// Cooked query shapes. Geometry shared with bodies of the world or other queries of the batch is cooked
@@ -127,6 +202,40 @@ RayHit hitOf(const EngineHit& found, const RayQuery& ray, const Registry& regist
   return hit;
 }
 
+namespace {
+
+/// Checks and translates rays.
+template <class World>
+void translate(World& world, std::span<const RayQuery> rays, std::span<EngineQuery> queries) {
+  const auto isValid = [](const RayQuery& ray) {
+    return checks::isFinite(ray.origin) && checks::isFinite(ray.direction) && length(ray.direction) > 0 &&
+           ray.maxDistance > 0 && checks::isFinite(Vec3{ray.maxDistance, 0, 0});
+  };
+  std::atomic<bool> valid = true;
+  forEachIndex(world.tasks, rays.size(), [&](std::size_t i) {
+    if (!isValid(rays[i])) valid = false;
+    queries[i] = queryOf(rays[i], world.registry);
+  });
+  if (!valid)
+    for (std::size_t i = 0; i < rays.size(); ++i) checkRay(rays[i], i);
+}
+void translate(std::span<const CastQuery> casts, QueryShapeList& shapes, std::span<EngineQuery> queries) {
+  for (std::size_t i = 0; i < casts.size(); ++i) {
+    queries[i] = shapes.query(casts[i], "casts", i);
+    checks::finite(casts[i].displacement, at("casts", i, "displacement"));
+    queries[i].move = casts[i].displacement;
+  }
+}
+CastHit castHitOf(const Registry& registry, const EngineHit& found) {
+  CastHit hit = hitOf<CastHit>(registry, found);
+  if (!hit.hit) return hit;
+  hit.fraction = found.fraction, hit.normal = found.normal;
+  hit.triangle = authoredTriangle(registry, registry.bodies[hit.body].def.shape, found.triangle);
+  return hit;
+}
+
+}  // namespace
+
 std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
   return withMemory("castRays", [&] {
     std::vector<RayHit> hits(rays.size());
@@ -139,22 +248,14 @@ void World::castRays(std::span<const RayQuery> rays, std::span<RayHit> hits) {
   withMemory("castRays", [&] {
     if (hits.size() != rays.size())
       throw Error("hits", "one hit per ray, " + std::to_string(rays.size()), std::to_string(hits.size()));
-    const auto isValid = [](const RayQuery& ray) {
-      return checks::isFinite(ray.origin) && checks::isFinite(ray.direction) && length(ray.direction) > 0 &&
-             ray.maxDistance > 0 && checks::isFinite(Vec3{ray.maxDistance, 0, 0});
-    };
     impl_->flush();
     const std::span<EngineQuery> queries = impl_->engine->queryRoom(rays.size());
-    std::atomic<bool> valid = true;
-    forEachIndex(rays.size(), [&](std::size_t i) {
-      const RayQuery& ray = rays[i];
-      if (!isValid(ray)) valid = false;
-      queries[i] = queryOf(ray, impl_->registry);
-    });
-    if (!valid)
-      for (std::size_t i = 0; i < rays.size(); ++i) checkRay(rays[i], i);
-    const std::span<const EngineHit> found = impl_->engine->hits({QueryKind::Ray, queries, {}});
-    forEachIndex(rays.size(), [&](std::size_t i) { hits[i] = hitOf(found[i], rays[i], impl_->registry); });
+    translate(*impl_, rays, queries);
+    const EngineQueries asked{QueryKind::Ray, queries, {}};
+    const std::span<const EngineHit> found = impl_->engine->hits(asked);
+    forEachIndex(impl_->tasks, rays.size(),
+                 [&](std::size_t i) { hits[i] = hitOf(found[i], rays[i], impl_->registry); });
+    mergeFirst(*impl_, asked, found, rays, hits);
   });
 }
 
@@ -169,16 +270,12 @@ std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
     impl_->flush();
     const std::span<EngineQuery> queries = impl_->engine->queryRoom(casts.size());
     QueryShapeList shapes(impl_->registry);
-    for (std::size_t i = 0; i < casts.size(); ++i) {
-      queries[i] = shapes.query(casts[i], "casts", i);
-      checks::finite(casts[i].displacement, at("casts", i, "displacement"));
-      queries[i].move = casts[i].displacement;
-    }
+    translate(casts, shapes, queries);
+    const EngineQueries asked{QueryKind::Cast, queries, shapes.cooked()};
+    const std::span<const EngineHit> found = impl_->engine->hits(asked);
     std::vector<CastHit> out;
-    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Cast, queries, shapes.cooked()})) {
-      out.push_back(hitOf<CastHit>(impl_->registry, hit));
-      if (hit.body >= 0) out.back().fraction = hit.fraction, out.back().normal = hit.normal;
-    }
+    for (const EngineHit& hit : found) out.push_back(castHitOf(impl_->registry, hit));
+    mergeFirst(*impl_, asked, found, casts, std::span(out));
     return out;
   });
 }
@@ -209,12 +306,50 @@ std::vector<ClosestHit> World::closestPoints(std::span<const ClosestQuery> point
       queries[i].position = points[i].point;
       queries[i].reach = points[i].maxDistance;
     }
+    const EngineQueries asked{QueryKind::Closest, queries, {}};
+    const std::span<const EngineHit> found = impl_->engine->hits(asked);
     std::vector<ClosestHit> out;
-    for (const EngineHit& hit : impl_->engine->hits({QueryKind::Closest, queries, {}})) {
+    for (const EngineHit& hit : found) {
       out.push_back(hitOf<ClosestHit>(impl_->registry, hit));
       if (hit.body >= 0) out.back().distance = hit.fraction;
     }
+    mergeFirst(*impl_, asked, found, points, std::span(out));
     return out;
+  });
+}
+
+std::vector<std::vector<RayHit>> World::castRaysAll(std::span<const RayQuery> rays) {
+  return withMemory("castRaysAll", [&] {
+    impl_->flush();
+    std::vector<EngineQuery> queries(rays.size());
+    translate(*impl_, rays, queries);
+    return mergeAll<RayHit>(
+        *impl_, {QueryKind::Ray, queries, {}}, rays,
+        [&](const EngineHit& hit, std::size_t i) { return hitOf(hit, rays[i], impl_->registry); });
+  });
+}
+
+std::vector<std::vector<CastHit>> World::castShapesAll(std::span<const CastQuery> casts) {
+  return withMemory("castShapesAll", [&] {
+    impl_->flush();
+    std::vector<EngineQuery> queries(casts.size());
+    QueryShapeList shapes(impl_->registry);
+    translate(casts, shapes, queries);
+    return mergeAll<CastHit>(
+        *impl_, {QueryKind::Cast, queries, shapes.cooked()}, casts,
+        [&](const EngineHit& hit, std::size_t) { return castHitOf(impl_->registry, hit); });
+  });
+}
+
+std::vector<std::vector<OverlapHit>> World::overlapsAll(std::span<const OverlapQuery> shapes) {
+  return withMemory("overlapsAll", [&] {
+    impl_->flush();
+    std::vector<EngineQuery> queries(shapes.size());
+    QueryShapeList list(impl_->registry);
+    for (std::size_t i = 0; i < shapes.size(); ++i) queries[i] = list.query(shapes[i], "shapes", i);
+    return mergeAll<OverlapHit>(
+        *impl_, {QueryKind::Overlap, queries, list.cooked()}, shapes,
+        [&](const EngineHit& hit, std::size_t) { return hitOf<OverlapHit>(impl_->registry, hit); });
   });
 }
 

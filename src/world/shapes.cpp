@@ -7,11 +7,12 @@ namespace rubble {
 
 namespace {
 
-/// Returns whether a material has default combine rules, no rolling or torsional friction and no surface
-/// velocity.
+/// Has a material no name, default combine rules, no rolling or torsional friction, no surface velocity, and
+/// does it hold from all sides?
 bool isPlain(const Material& m) {
   return m.frictionCombine == Combine::Usual && m.restitutionCombine == Combine::Usual &&
-         m.rollingFriction == 0 && m.torsionalFriction == 0 && m.surfaceVelocity == Vec3{};
+         m.rollingFriction == 0 && m.torsionalFriction == 0 && m.surfaceVelocity == Vec3{} &&
+         m.oneWay == Vec3{} && m.name.empty();
 }
 
 }  // namespace
@@ -20,7 +21,8 @@ bool sameMaterial(const Material& a, const Material& b) {
   return a.staticFriction == b.staticFriction && a.dynamicFriction == b.dynamicFriction &&
          a.restitution == b.restitution && a.frictionCombine == b.frictionCombine &&
          a.restitutionCombine == b.restitutionCombine && a.rollingFriction == b.rollingFriction &&
-         a.torsionalFriction == b.torsionalFriction && a.surfaceVelocity == b.surfaceVelocity;
+         a.torsionalFriction == b.torsionalFriction && a.surfaceVelocity == b.surfaceVelocity &&
+         a.oneWay == b.oneWay && a.name == b.name;
 }
 
 bool sameShape(const Shape& a, const Shape& b) {
@@ -101,11 +103,36 @@ std::vector<Edit> TableAdditions::edits() const {
   std::vector<Edit> out;
   for (std::size_t k = 0; k < shapes_.size(); ++k)
     out.push_back(AddShape{shapes_[k].cooked, partSurfaces_[k]});
-  if (surfaces_.empty()) return out;
+  if (!surfaces_.empty()) out.push_back(surfacesEdit(surfaces(), registry_.materialPairs));
+  return out;
+}
+
+std::vector<Material> TableAdditions::surfaces() const {
   std::vector<Material> all = registry_.surfaces;
   all.insert(all.end(), surfaces_.begin(), surfaces_.end());
-  out.push_back(SetSurfaces{std::move(all)});
-  return out;
+  return all;
+}
+
+void sortRules(std::vector<EngineMaterialRule>& rules) {
+  std::ranges::sort(rules, {}, [](const EngineMaterialRule& r) {
+    return std::array{r.world, r.low, r.high};
+  });
+}
+
+SetSurfaces surfacesEdit(std::vector<Material> surfaces, std::span<const MaterialPair> pairs) {
+  SetSurfaces edit{std::move(surfaces)};
+  for (const MaterialPair& pair : pairs) {
+    const int a = materialKind(edit.surfaces, pair.a), b = materialKind(edit.surfaces, pair.b);
+    if (a == 0 || b == 0) continue;
+    EngineMaterialRule& rule = edit.rules.emplace_back();
+    rule.low = std::min(a, b), rule.high = std::max(a, b);
+    const std::optional<double> given[] = {pair.staticFriction, pair.dynamicFriction, pair.restitution,
+                                           pair.rollingFriction, pair.torsionalFriction};
+    for (std::size_t i = 0; i < std::size(given); ++i)
+      if (given[i]) rule.given |= 1 << i, rule.coefficients[i] = *given[i];
+  }
+  sortRules(edit.rules);
+  return edit;
 }
 
 void TableAdditions::prepare(Registry& registry) const {

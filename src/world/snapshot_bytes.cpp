@@ -17,7 +17,11 @@ template <class A, class Tag> void fields(A& a, Id<Tag>& id) { all(a, id.index, 
 
 template <class A> void fields(A& a, Material& m) {
   all(a, m.staticFriction, m.dynamicFriction, m.restitution, m.frictionCombine, m.restitutionCombine,
-      m.rollingFriction, m.torsionalFriction, m.surfaceVelocity);
+      m.rollingFriction, m.torsionalFriction, m.surfaceVelocity, m.oneWay, m.name);
+}
+template <class A> void fields(A& a, MaterialPair& p) {
+  all(a, p.a, p.b, p.staticFriction, p.dynamicFriction, p.restitution, p.rollingFriction,
+      p.torsionalFriction);
 }
 template <class A> void fields(A& a, MassProperties& m) { all(a, m.mass, m.inertia, m.center, m.axes); }
 template <class A> void fields(A& a, Shape& s) {
@@ -108,7 +112,7 @@ template <class A> void fields(A& a, SoftRange& r) {
   for (int& element : r.element) fields(a, element);
 }
 template <class A> void fields(A& a, SoftRecord& r) {
-  all(a, r.def, r.order, r.range);
+  all(a, r.def, r.order, r.range, r.surface);
   if constexpr (A::kReads) r.model = cookDeformable(r.def, "snapshot");
 }
 template <class A> void fields(A& a, AttachmentRecord& r) {
@@ -136,11 +140,18 @@ template <class A> void fields(A& a, Tuning& t) {
 template <class A> void fields(A& a, Params& p) {
   all(a, p.dt, p.iterations, p.substeps, p.preset, p.sortInterval, p.sleeping, p.tuning);
 }
+template <class A> void fields(A& a, Event::Push& p) { all(a, p.body, p.velocity, p.angularVelocity); }
+template <class A> void fields(A& a, Event::Turn& t) {
+  all(a, t.joint, t.axis, t.targetPosition, t.targetSpeed, t.length, t.dragTo, t.motorForce);
+}
+template <class A> void fields(A& a, Event& e) {
+  all(a, e.step, e.add, e.remove, e.removeJoints, e.setVelocity, e.setJoint);
+}
 template <class A> void fields(A& a, Registry& r) {
   all(a, r.bodies, r.joints, r.softs, r.attachments, r.softNames, r.sceneSofts, r.softOrder, r.bodyNames,
-      r.jointNames, r.sceneBodies, r.shapes, r.shapeIndices, r.shapeParts, r.surfaces);
+      r.jointNames, r.sceneBodies, r.shapes, r.shapeIndices, r.shapeParts, r.surfaces, r.materialPairs);
   all(a, r.freeJointSlots, r.jointSlots, r.exclusions, r.planes, r.touches, r.sleepers, r.hasUnlistedBreaks,
-      r.gravity, r.step, r.time);
+      r.gravity, r.step, r.time, r.script, r.nextEvent);
 }
 
 namespace {

@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "cook/checks.h"
-#include "world/world_impl.h"
+#include "world/table_additions.h"
 
 namespace rubble {
 
@@ -46,6 +46,16 @@ void World::Impl::requireAlive(AttachmentId id) const {
   if (!registry.attachments.alive(id)) throw Error("attachment", "an id that is alive", describe(id));
 }
 
+int World::Impl::placeMaterial(const Material& material) {
+  if (material.name.empty()) return -1;
+  TableAdditions tables(registry);
+  const int surface = tables.surfaceOf(material);
+  tables.prepare(registry);
+  engine->apply(tables.edits());
+  tables.commit(registry);
+  return surface;
+}
+
 DeformableId World::Impl::addSoft(const Deformable& def, const Path& path) {
   const std::string& name = common(def).name;
   if (!name.empty() && registry.softNames.contains(name))
@@ -53,9 +63,38 @@ DeformableId World::Impl::addSoft(const Deformable& def, const Path& path) {
   SoftRecord record{def, cookDeformable(def, path), registry.softOrder, {}};
   registry.softs.prepare();
   if (!name.empty()) registry.softNames.emplace(name, registry.softs.next());
+  Undo unname([&] { registry.softNames.erase(name); });
+  record.surface = placeMaterial(common(def).material);
+  unname.keep();
   ++registry.softOrder;
   softChanged = true;
   return registry.softs.add(std::move(record));
+}
+
+void World::Impl::redefine(DeformableId id, const Deformable& def) {
+  requireAlive(id);
+  const SoftRecord& old = registry.softs[id];
+  const auto same = [](bool is, const char* field, const std::string& wanted, const std::string& got) {
+    if (!is) throw Error(Path("deformable") + field, wanted, got);
+  };
+  same(def.index() == old.def.index(), "", "an object of the same kind", "one of another kind");
+  const DeformableDef &now = common(def), &was = common(old.def);
+  same(now.name == was.name, ".name", "that of the object, \"" + was.name + "\"", "\"" + now.name + "\"");
+  same(now.vertices.size() == was.vertices.size(), ".vertices",
+       "as many as the object has, " + std::to_string(was.vertices.size()),
+       std::to_string(now.vertices.size()));
+  SoftRecord record = old;
+  record.def = def, record.model = cookDeformable(def, "deformable");
+  if (record.range.vertex >= 0 && !record.before) record.before = old.model;
+  registry.softs.prepare(0);
+  record.surface = placeMaterial(now.material);
+  registry.softs.edit(id) = std::move(record);
+  softChanged = true;
+}
+
+void World::setDefinition(DeformableId id, const Deformable& deformable) {
+  withMemory("setDefinition", [&] { impl_->redefine(id, deformable); });
+  impl_->pass(inputs::SetDeformableDefinition{id, deformable});
 }
 
 void World::Impl::removeSoft(DeformableId id) {
@@ -131,7 +170,7 @@ void World::Impl::flush() {
   next.vertex = 0;
   for (const DeformableId id : softs) {
     const SoftRecord& r = registry.softs[id];
-    objects.push_back({r.model, next, r.range});
+    objects.push_back({r.model, next, r.range, r.surface, r.before});
     ranges[std::size_t(id.index)] = next;
     next.vertex += int(r.model->vertices.size());
     const auto counts = elementCounts(*r.model);
@@ -173,7 +212,10 @@ void World::Impl::flush() {
   }
   registry.softs.prepare(0), registry.attachments.prepare(0);
   engine->apply(SetDeformables{std::move(objects), std::move(attachments)});
-  for (const DeformableId id : softs) registry.softs.edit(id).range = ranges[std::size_t(id.index)];
+  for (const DeformableId id : softs) {
+    SoftRecord& record = registry.softs.edit(id);
+    record.range = ranges[std::size_t(id.index)], record.before = nullptr;
+  }
   for (std::size_t k = 0; k < order.size(); ++k) registry.attachments.edit(order[k]).engineIndex = int(k);
   softChanged = false;
 }
@@ -260,6 +302,39 @@ void World::applyVertexForce(DeformableId id, int vertex, const Vec3& force) {
     impl_->engine->apply(AddVertexForce{impl_->registry.softs[id].range.vertex + vertex, force});
   });
   impl_->pass(inputs::ApplyVertexForce{id, vertex, force});
+}
+
+EngineSoftTargets World::Impl::softTargets() {
+  EngineSoftTargets out;
+  constexpr int kMembranes = typeIndex<host::Membrane>(host::ElementTypes{}),
+                kSprings = typeIndex<host::Spring>(host::ElementTypes{});
+  for (const DeformableId id : registry.softs.ids()) {
+    const SoftRecord& r = registry.softs[id];
+    const SoftModel& m = *r.model;
+    const int first = static_cast<int>(out.positions.size());
+    out.positions.resize(out.positions.size() + m.vertices.size());
+    engine->read(Fetch::Vertices)
+        .vertexStates(r.range.vertex, std::span(out.positions).last(m.vertices.size()), {});
+    const auto counts = elementCounts(m);
+    const auto alive = [&](int type) {
+      return engine->read().elementsAlive(type, r.range.element[type], counts[std::size_t(type)]);
+    };
+    const double radius = m.vertices[0].radius;
+    const auto add = [&](std::size_t index, auto&& corners, double thick) {
+      EngineSoftPiece piece{id.index, static_cast<int>(index), {-1, -1, -1}, thick};
+      int k = 0;
+      for (const int v : corners) piece.v[k++] = first + v;
+      out.pieces.push_back(piece);
+    };
+    const std::vector<char> whole = alive(kMembranes), unbroken = alive(kSprings);
+    for (std::size_t i = 0; i < m.surface.size(); ++i)
+      if (whole.empty() || whole[i]) add(i, m.surface[i], 0);
+    for (std::size_t i = 0; m.surface.empty() && i < unbroken.size(); ++i)
+      if (unbroken[i]) add(i, m.list<SpringModel>()[i].v, radius);
+    for (std::size_t i = 0; m.surface.empty() && unbroken.empty() && i < m.vertices.size(); ++i)
+      add(i, std::array{static_cast<int>(i)}, radius);
+  }
+  return out;
 }
 
 World::Surface World::surface(DeformableId id) const {

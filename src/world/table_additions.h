@@ -14,6 +14,8 @@ class TableAdditions {
   /// Offset of its indices in the tables of the engine. Equal geometry is stored once.
   int placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked);
   std::vector<Edit> edits() const;
+  /// All materials with those that are added.
+  std::vector<Material> surfaces() const;
   /// Makes room, so that commit() needs no memory.
   void prepare(Registry& registry) const;
   void commit(Registry& registry) noexcept;

@@ -61,6 +61,26 @@ void validate(const BodyDef& body, const Path& path) {
   finite(body.gravityScale, path + ".gravityScale");
 }
 
+void validate(const MaterialPair& pair, const Path& path) {
+  for (const auto& [name, field] : {std::pair(&pair.a, ".a"), std::pair(&pair.b, ".b")})
+    if (name->empty()) throw Error(path + field, "the name of a material", "none");
+  const auto check = [&](const std::optional<double>& value, const char* field) {
+    if (value) notNegative(*value, path + field);
+  };
+  check(pair.staticFriction, ".staticFriction"), check(pair.dynamicFriction, ".dynamicFriction");
+  check(pair.restitution, ".restitution");
+  check(pair.rollingFriction, ".rollingFriction"), check(pair.torsionalFriction, ".torsionalFriction");
+  if (pair.restitution.value_or(0) > 1)
+    throw Error(path + ".restitution", "at most 1", std::to_string(*pair.restitution));
+  if (pair.staticFriction && pair.dynamicFriction && *pair.dynamicFriction > *pair.staticFriction)
+    throw Error(path + ".dynamicFriction", "at most the static friction",
+                std::to_string(*pair.dynamicFriction));
+}
+
+bool ofSameMaterials(const MaterialPair& p, const MaterialPair& q) {
+  return (p.a == q.a && p.b == q.b) || (p.a == q.b && p.b == q.a);
+}
+
 void validate(const BodyState& state, const Path& path) {
   finite(state.position, path + ".position");
   unit(state.orientation, path + ".orientation");
@@ -70,6 +90,14 @@ void validate(const BodyState& state, const Path& path) {
 
 void validate(const Scene& scene) {
   finite(scene.gravity, "gravity");
+  for (std::size_t i = 0; i < scene.materialPairs.size(); ++i) {
+    const MaterialPair& pair = scene.materialPairs[i];
+    const Path list("materialPairs"), path = list[i];
+    validate(pair, path);
+    for (std::size_t k = 0; k < i; ++k)
+      if (ofSameMaterials(pair, scene.materialPairs[k]))
+        throw Error(path, "two names that have no other rule", "\"" + pair.a + "\" and \"" + pair.b + "\"");
+  }
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) validate(scene.bodies[i], Path("bodies")[i]);
   for (std::size_t i = 0; i < scene.joints.size(); ++i)
     validateJoint(scene, scene.joints[i], Path("joints")[i]);

@@ -12,8 +12,9 @@
 namespace rubble {
 
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
-  if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings);
-  if (options.backend == "reference") return f64::makeCpuEngine(options.threads, options.timings);
+  if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings, options.tasks);
+  if (options.backend == "reference")
+    return f64::makeCpuEngine(options.threads, options.timings, options.tasks);
   if (options.backend == "distributed")
     return f32::makeDistributedEngine(options.ranks, options.threads, options.timings);
   if (options.backend == "lockstep")
@@ -35,6 +36,13 @@ void validate(const WorldOptions& options) {
   if (options.threads < 0 || options.threads > kMostThreads)
     throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
                 std::to_string(options.threads));
+  if (options.tasks.run) {
+    if (options.backend != "cpu" && options.backend != "reference")
+      throw Error("tasks", "none with the backend \"" + options.backend + "\"", "a task system");
+    if (options.tasks.parts < 1 || options.tasks.parts > kMostThreads)
+      throw Error("tasks.parts", "a number from 1 to " + std::to_string(kMostThreads),
+                  std::to_string(options.tasks.parts));
+  }
   const RankOptions& ranks = options.ranks;
   if (ranks.count < 0 || ranks.count > kMostThreads)
     throw Error("ranks.count", "a number from 0 to " + std::to_string(kMostThreads),
@@ -65,6 +73,7 @@ World::World(const Scene& scene, const WorldOptions& options) try : impl_(std::m
   impl_->doublePrecision = options.backend == "reference";
   impl_->wantsEvents = options.events;
   impl_->log = options.log;
+  impl_->tasks = options.tasks;
   impl_->build(scene);
 } catch (const std::bad_alloc&) {
   throw OutOfMemory("World");
@@ -73,6 +82,7 @@ World::World(const Scene& scene, const WorldOptions& options) try : impl_(std::m
 void World::Impl::build(const Scene& scene) {
   Registry& r = registry;
   r.gravity = scene.gravity;
+  r.materialPairs = scene.materialPairs;
   configure(false);
   r.sceneBodies = addBodies(scene.bodies, "bodies");
   const auto idOf = [&](int body) {
@@ -81,6 +91,7 @@ void World::Impl::build(const Scene& scene) {
   for (const JointDef& joint : scene.joints)
     addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.frameBodyA), idOf(joint.frameBodyB));
   for (const auto& [a, b] : scene.exclusions) exclude(idOf(a), idOf(b), true);
+  if (!scene.events.empty()) setScript(scene.events);
   for (std::size_t i = 0; i < scene.deformables.size(); ++i)
     r.sceneSofts.push_back(addSoft(scene.deformables[i], Path("deformables")[i]));
   const auto softOf = [&](int object) {
@@ -98,6 +109,7 @@ World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step() {
+  runEvents();
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   Registry& r = impl_->registry;
@@ -298,7 +310,10 @@ void World::restore(const Snapshot& snapshot) {
 }
 
 void World::Impl::restoreRecords(Registry&& from, const Params& own) {
+  const bool ruled = !registry.materialPairs.empty() || !from.materialPairs.empty();
   registry = std::move(from);
+  // rules are no part of the state of the engine
+  if (ruled) engine->apply(surfacesEdit(registry.surfaces, registry.materialPairs));
   jointRowsChanged = true;
   if (!inBatch) params = own;
   ++epoch;

@@ -104,7 +104,11 @@ void checkScatter(JointArray which, const ArrayView& rows, const ArrayView& valu
 /// Null if no shape has the same geometry.
 const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape);
 
+bool ofSameMaterials(const MaterialPair& p, const MaterialPair& q);
 bool sameMaterial(const Material& a, const Material& b);
+/// The materials with those rules of which both materials are among them.
+SetSurfaces surfacesEdit(std::vector<Material> surfaces, std::span<const MaterialPair> pairs);
+void sortRules(std::vector<EngineMaterialRule>& rules);
 /// Also where the geometry is an equal copy.
 bool sameShape(const Shape& a, const Shape& b);
 
@@ -138,6 +142,8 @@ struct SoftRecord {
   std::shared_ptr<const SoftModel> model;
   std::int64_t order;  ///< objects are in the tables in the order in which they were added
   SoftRange range;     ///< in the tables; vertex -1: not placed yet
+  int surface = -1;    ///< index into the materials, -1: a material without a name
+  std::shared_ptr<const SoftModel> before = nullptr;  ///< as EngineSoftObject::before
 };
 
 struct AttachmentRecord {
@@ -186,7 +192,8 @@ struct Registry {
   std::vector<BodyId> sceneBodies;
   std::vector<CookedEntry> shapes;  ///< those with geometry in the tables of the engine
   int shapeIndices = 0, shapeParts = 0;
-  std::vector<Material> surfaces;  ///< those in the material table of the engine
+  std::vector<Material> surfaces;           ///< those in the material table of the engine
+  std::vector<MaterialPair> materialPairs;  ///< at most one of two names
   /// By joint type of the engine.
   std::vector<std::vector<int>> freeJointSlots{static_cast<std::size_t>(engineJointTypes())};
   std::vector<int> jointSlots = std::vector<int>(freeJointSlots.size());
@@ -196,6 +203,9 @@ struct Registry {
   std::vector<int> sleepers;                 ///< of the same step, slots
   /// Joints broke in the last step, which had no memory to list them.
   bool hasUnlistedBreaks = false;
+  /// Scripted events of the scene, by step, and the first that has not been applied. Null: none.
+  std::shared_ptr<const std::vector<Event>> script;
+  int nextEvent = 0;
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;
@@ -232,6 +242,7 @@ struct World::Impl {
   bool sortSoon = false;         ///< the next step sorts the bodies
   bool wantsEvents = false;
   LogSink log;
+  TaskSystem tasks;  ///< of the host
   inputs::Sink inputs;
   std::string difference;                            ///< of the reports
   bool inBatch = false;                              ///< parameters are those of all worlds of a batch
@@ -243,8 +254,8 @@ struct World::Impl {
     if (inputs) inputs(inputs::Call(std::forward<Call>(call)));
   }
 
-  /// Adds everything but events.
   void build(const Scene& scene);
+  void setScript(std::vector<Event> events);
   /// After a step that takes part in no other.
   void finishStep(StepReport& report);
   /// Takes over everything of a snapshot but the state of its engine.
@@ -306,10 +317,16 @@ struct World::Impl {
   BodyState bodyState(BodyId id) const { return engine->bodyState(id.index); }
   void requireAlive(JointId id) const;
   PoseCopies& poseCopies();
+  /// Index of a named material among those of the engine, -1 for one without a name.
+  int placeMaterial(const Material& material);
   DeformableId addSoft(const Deformable& def, const Path& path);
   AttachmentId addAttachment(const AttachmentDef& def, DeformableId object, BodyId body, DeformableId other,
                              const Path& path);
   void removeSoft(DeformableId id);
+  /// The pieces of all deformable objects, where the last step has put them.
+  EngineSoftTargets softTargets();
+  /// Redefines an object: as World::setDefinition.
+  void redefine(DeformableId id, const Deformable& def);
   void removeAttachment(AttachmentId id);
   void requireAlive(DeformableId id) const;
   void requireAlive(AttachmentId id) const;
@@ -325,6 +342,8 @@ struct World::Impl {
   void addExclusion(std::vector<Edit>& edits, BodyId a, BodyId b, bool excluded) const;
   /// Adds or removes a joint in the records of its bodies.
   void listJoint(JointId id, const JointRecord& joint, bool listed);
+  /// Replaces all rules of pairs of materials.
+  void setMaterialPairs(std::vector<MaterialPair> pairs);
   /// Gives parameters and gravity to the engine. `wakesAll`: they have changed, and act on all bodies.
   void configure(bool wakesAll);
 };

@@ -116,10 +116,18 @@ WorldsReport Worlds::step(int steps, std::span<const char> active) try {
   const auto begin = Clock::now();
   if (!active.empty() && static_cast<int>(active.size()) != count())
     throw Error("active", "one element per world, " + std::to_string(count()), std::to_string(active.size()));
-  std::vector<WorldsReport> reports(impl_->batches.size());
-  impl_->forEachBatch([&](std::size_t k) { reports[k] = impl_->step(k, steps, active); });
   WorldsReport report;
-  for (const WorldsReport& each : reports) accumulate(report, each);
+  // worlds with scripted events go step by step
+  const bool scripted = std::ranges::any_of(
+      impl_->worlds, [](const World& w) { return w.impl_->registry.script != nullptr; });
+  const int stride = scripted ? std::min(1, steps) : steps;
+  for (int done = 0; done == 0 || done < steps; done += std::max(1, stride)) {
+    for (int w = 0; scripted && w < count(); ++w)
+      if (active.empty() || active[static_cast<std::size_t>(w)]) (*this)[w].runEvents();
+    std::vector<WorldsReport> reports(impl_->batches.size());
+    impl_->forEachBatch([&](std::size_t k) { reports[k] = impl_->step(k, stride, active); });
+    for (const WorldsReport& each : reports) accumulate(report, each);
+  }
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   return report;
 } catch (const std::bad_alloc&) {

@@ -8,6 +8,7 @@
 
 #include <rubble/worlds.h>
 
+#include "tables/loops.h"
 #include "world/batch.h"
 #include "world/world_impl.h"
 
@@ -23,13 +24,15 @@ struct Worlds::Impl {
   explicit Impl(const WorldOptions& given)
       : options(given),
         perBatch(worldsPerEngine(given.backend)),
-        arena(given.threads > 0 ? given.threads : tbb::task_arena::automatic) {
-    options.threads = 1;
+        arena(given.threads > 0 ? given.threads : tbb::task_arena::automatic),
+        tasks(given.tasks) {
+    options.threads = 1, options.tasks = {};
   }
 
   WorldOptions options;
   int perBatch;  ///< most worlds of a batch
   tbb::task_arena arena;
+  TaskSystem tasks;
   std::vector<std::shared_ptr<Batch>> batches;
   std::deque<World> worlds;  ///< references stay valid
   std::shared_ptr<std::vector<CookedEntry>> cooked = std::make_shared<std::vector<CookedEntry>>();
@@ -48,6 +51,10 @@ struct Worlds::Impl {
   World::Impl& at(int world) { return *worlds[static_cast<std::size_t>(world)].impl_; }
   /// f(k) for each of the batches, in parallel.
   template <class F> void forEachBatch(F&& f) {
+    const auto each = [&](int begin, int end) {
+      for (int k = begin; k < end; ++k) f(static_cast<std::size_t>(k));
+    };
+    if (tasks.run) return forEachPart(tasks, static_cast<int>(batches.size()), 1, each);
     arena.execute([&] { tbb::parallel_for(std::size_t{0}, batches.size(), f, tbb::simple_partitioner{}); });
   }
   /// Sends edits of the worlds of a batch to its engine, and what the rows of its joint arrays are.

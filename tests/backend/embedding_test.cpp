@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <thread>
 
 #include <sys/wait.h>
@@ -70,6 +71,89 @@ TEST(World, IsIndependentOfOthersThatStepBesideIt) {
     });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(hashes, std::vector<std::uint64_t>(kWorlds, expected));
+}
+
+/// Runs tasks on threads of its own, in a new order each time.
+struct HostTasks {
+  std::atomic<int> loops = 0, tasks = 0;
+
+  TaskSystem system(int parts) {
+    return {parts, [this](int count, TaskSystem::Task task, void* context) {
+              const int turn = loops++;
+              std::vector<std::thread> threads;
+              for (int k = 0; k < count; ++k)
+                threads.emplace_back([=, this] {
+                  task(context, (k + turn) % count);
+                  ++tasks;
+                });
+              for (std::thread& thread : threads) thread.join();
+            }};
+  }
+};
+
+/// Bodies, joints, cloth and particles, with rules of materials.
+Scene everything() {
+  Scene scene = test::heap(3);
+  scene.deformables.emplace_back(clothSheet({0, 0, 4}, {2, 0, 0}, {0, 2, 0}, 6, 6));
+  ParticlesDef grains;
+  grains.radius = 0.06;
+  for (int i = 0; i < 40; ++i) grains.vertices.push_back({0.15 * (i % 7), 0.15 * (i / 7), 5 + 0.01 * i});
+  scene.deformables.push_back(grains);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    scene.bodies[i].material.name = i % 2 ? "odd" : "even";
+  scene.materialPairs.push_back({"odd", "even", 0.2, 0.1, 0.3, 0.01});
+  return scene;
+}
+
+TEST(TaskSystem, OfTheHostRunsAllLoopsWithTheSameBits) {
+  const WorldOptions own = test::options(4);
+  const auto advance = [](World& world) {
+    test::run(world, 6);
+    world.sortBodies();
+    test::run(world, 6);
+  };
+  World reference(everything(), own);
+  advance(reference);
+  std::vector<RayQuery> rays;
+  for (int i = 0; i < 40; ++i) rays.push_back({{0.05 * i, 1, 9}, {0, 0, -1}, 20, {}});
+  const std::vector<RayHit> expected = reference.castRays(rays);
+  for (const int parts : {1, 2, 5}) {
+    HostTasks host;
+    WorldOptions options = own;
+    options.tasks = host.system(parts);
+    World world(everything(), options);
+    advance(world);
+    EXPECT_EQ(host.loops > 0, parts > 1) << parts;
+    EXPECT_EQ(world.hash(), reference.hash()) << parts;
+    const std::vector<RayHit> hits = world.castRays(rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      EXPECT_EQ(hits[i].body, expected[i].body) << parts;
+      EXPECT_EQ(hits[i].distance, expected[i].distance) << parts;
+    }
+  }
+  // worlds at once, each on tasks of its own
+  HostTasks shared;
+  std::vector<std::thread> threads;
+  std::vector<std::uint64_t> hashes(3);
+  for (std::size_t k = 0; k < hashes.size(); ++k)
+    threads.emplace_back([&, k] {
+      WorldOptions options = own;
+      options.tasks = shared.system(2);
+      World world(everything(), options);
+      advance(world);
+      hashes[k] = world.hash();
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (const std::uint64_t hash : hashes) EXPECT_EQ(hash, reference.hash());
+}
+
+TEST(TaskSystem, IsRefusedWhereItWouldNotBeUsed) {
+  HostTasks host;
+  WorldOptions options = test::options(4, "lockstep");
+  options.tasks = host.system(2);
+  EXPECT_THROW(World(test::tower(1), options), Error);
+  options.backend = "cpu", options.tasks.parts = 0;
+  EXPECT_THROW(World(test::tower(1), options), Error);
 }
 
 TEST(Log, HasWhatTheReportHasAndNothingElseIsWritten) {

@@ -19,7 +19,7 @@ namespace rubble {
 
 // this program has the core in double only
 namespace f32 {
-std::unique_ptr<Engine> makeCpuEngine(int, bool) { return nullptr; }
+std::unique_ptr<Engine> makeCpuEngine(int, bool, TaskSystem) { return nullptr; }
 std::unique_ptr<Engine> makeLockstepEngine(int) { return nullptr; }
 std::uint64_t tableLayout() { return 0; }
 std::unique_ptr<Engine> makeDistributedEngine(const RankOptions&, int, bool) { return nullptr; }

@@ -38,6 +38,15 @@ void changeInEveryWay(World& world) {
                  Shape::compound({{Shape::sphere(.2), {.1, 0, 0}, {}}, {Shape::box({.1, .2, .1}), {}, {}}}));
   world.setMotion(ids[12], Motion::Kinematic);
   world.applyImpulseAt(ids[13], {1, 2, 3}, {0, 0, 1});
+  Material ice = world.definition(ids[14]).material;
+  ice.name = "ice", ice.oneWay = {0, 0, 1};
+  world.setMaterial(ids[14], ice);
+  world.setMaterialPair({"ice", "snow", 0.1, {}, 1. / 3});
+  world.setMaterialPair({"ice", "ice", 0.1});
+  world.removeMaterialPair("snow", "ice");
+  Deformable stiffer = world.definition(cloth);
+  std::get<ClothDef>(stiffer).youngsModulus = 1e6 / 3;
+  world.setDefinition(cloth, stiffer);
   world.sortBodies();
   step();
   JointDef hinge = test::ball(0, {.5, 0, 0}, 0, {-.5, 0, 0});

@@ -1,5 +1,6 @@
 #include <bit>
 #include <filesystem>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -341,6 +342,61 @@ TEST(SceneRoundTrip, ExampleFilesAreGood) {
     ++count;
   }
   EXPECT_GE(count, 3);
+}
+
+TEST(SceneJson, KeepsNamesOfMaterialsTheirRulesAndSides) {
+  // names that collide with those that the writer makes, equal names of different materials, and none
+  const std::vector<std::string> names{"ice", "material1", "", "ice", "material3", "a \"b\""};
+  SceneFile file;
+  for (std::size_t i = 0; i < 2 * names.size(); ++i) {
+    BodyDef body;
+    body.material.name = names[i % names.size()];
+    body.material.staticFriction = body.material.dynamicFriction = 0.1 * double(i) + 0.1;
+    if (i % 3 == 0) body.material.oneWay = {0, 1. / 3, double(i)};
+    file.scene.bodies.push_back(body);
+  }
+  for (int given = 0; given < 32; ++given) {
+    MaterialPair pair{"ice", "other" + std::to_string(given)};
+    std::optional<double>* const fields[] = {&pair.staticFriction, &pair.dynamicFriction, &pair.restitution,
+                                             &pair.rollingFriction, &pair.torsionalFriction};
+    for (int k = 0; k < 5; ++k)
+      if (given >> k & 1) *fields[k] = 1. / (3 + k);
+    file.scene.materialPairs.push_back(pair);
+  }
+  std::vector<Fault> faults;
+  const SceneFile read = parseScene(toJson(file), faults);
+  ASSERT_TRUE(faults.empty()) << faults.front().message;
+  ASSERT_EQ(read.scene.bodies.size(), file.scene.bodies.size());
+  for (std::size_t i = 0; i < file.scene.bodies.size(); ++i)
+    EXPECT_EQ(materialKey(read.scene.bodies[i].material), materialKey(file.scene.bodies[i].material)) << i;
+  ASSERT_EQ(read.scene.materialPairs.size(), file.scene.materialPairs.size());
+  for (std::size_t i = 0; i < file.scene.materialPairs.size(); ++i) {
+    const MaterialPair &a = read.scene.materialPairs[i], &b = file.scene.materialPairs[i];
+    EXPECT_EQ(std::tie(a.a, a.b, a.staticFriction, a.dynamicFriction, a.restitution, a.rollingFriction,
+                       a.torsionalFriction),
+              std::tie(b.a, b.b, b.staticFriction, b.dynamicFriction, b.restitution, b.rollingFriction,
+                       b.torsionalFriction));
+  }
+}
+
+TEST(SceneJson, GivesMaterialsTheirKeysAsNames) {
+  std::vector<Fault> faults;
+  const SceneFile read = parseScene(R"({
+    "materials": {"ice": {"friction": 0.1}, "plain": {"name": ""}, "snow": {"name": "ice"}},
+    "material_pairs": [{"a": "ice", "b": "ice", "friction": 0.05}],
+    "bodies": [{"shape": {"type": "sphere", "radius": 1}, "material": "ice"},
+               {"shape": {"type": "sphere", "radius": 1}, "material": "plain"},
+               {"shape": {"type": "sphere", "radius": 1}, "material": "snow"}]})",
+                                    faults);
+  ASSERT_TRUE(faults.empty());
+  EXPECT_EQ(read.scene.bodies[0].material.name, "ice");
+  EXPECT_EQ(read.scene.bodies[1].material.name, "");
+  EXPECT_EQ(read.scene.bodies[2].material.name, "ice");
+  EXPECT_EQ(read.scene.materialPairs[0].dynamicFriction, 0.05);
+  parseScene(
+      R"({"bodies": [], "material_pairs": [{"a": "ice"}, {"a": "x", "b": "y", "friction": -1}, {"a": "x", "b": 3}]})",
+      faults);
+  EXPECT_EQ(faults.size(), 3u);
 }
 
 }  // namespace

@@ -64,6 +64,21 @@ void addDust(Scene& scene, const Vec3& at, int count) {
   }
 }
 
+/// Named materials with a rule, on a one-way slab: one box slides, one comes from below.
+void addRuled(Scene& scene, const Vec3& at) {
+  const Frame f = frameOf(scene);
+  addSlab(scene, at, 2);
+  Material& slab = scene.bodies.back().material;
+  slab.name = "visited", slab.oneWay = {0, 0, 1};
+  BodyDef box = body(Shape::box({0.2, 0.2, 0.1}), {});
+  box.material.name = "visitor", box.material.rollingFriction = 0.01;
+  box.velocity = f.x * 2;
+  addAt(scene, box, at, 0, 0, 0.2);
+  box.velocity = f.up * 40;
+  addAt(scene, box, at, 1, 0, -4.5);
+  scene.materialPairs.push_back({"visited", "visitor", 0.1, 0.05, 0.5, 0.02});
+}
+
 /// A hanging chain of capsules, whose joints are of a type.
 void addChain(Scene& scene, const Vec3& at, int links, JointType type) {
   const Frame f = frameOf(scene);
@@ -172,6 +187,7 @@ std::vector<Visitor> visitors(int pebbles) {
       {"pebbles at rest", [=](Scene& s, const Vec3& at) { addPebbles(s, at, pebbles, 0); }},
       {"pebbles that fall", [=](Scene& s, const Vec3& at) { addPebbles(s, at, pebbles, .5); }},
       {"dust in no order", [=](Scene& s, const Vec3& at) { addDust(s, at, pebbles); }},
+      {"pair rule and one-way surface", addRuled},
       {"joint with limits", [](Scene& s, const Vec3& at) { addChain(s, at, 2, JointType::Hinge); }},
       {"tree of 65", [](Scene& s, const Vec3& at) { addChain(s, at, 65, JointType::Ball); }},
       {"tree of 1,000", [](Scene& s, const Vec3& at) { addChain(s, at, 1000, JointType::Ball); }},

@@ -1,6 +1,8 @@
 /// Materials: combine rules, surface velocity, rolling and torsional friction.
 #include <gtest/gtest.h>
 
+#include <rubble/worlds.h>
+
 #include "tests/support/expect.h"
 #include "tests/support/shapes.h"
 
@@ -131,6 +133,233 @@ TEST(TorsionalFriction, StopsASpinningBallInTime) {
   EXPECT_NEAR(world.state(world.bodyAt(1)).angularVelocity.z, spin / 2, .05 * spin);
   test::run(world, static_cast<int>(.6 * time * 60) + 10);
   EXPECT_LT(length(world.state(world.bodyAt(1)).angularVelocity), 1e-3);
+}
+
+Material named(const std::string& name, double friction = 0.6) {
+  Material m = rubbing(friction, Combine::Usual);
+  m.name = name;
+  return m;
+}
+
+/// A ramp of steel with two boxes on it: gravity is inclined. Only ice has a rule with steel.
+Scene rampOfPairs(double slope) {
+  Scene scene = test::emptyScene();
+  scene.gravity = {10 * std::sin(slope), 0, -10 * std::cos(slope)};
+  scene.bodies.push_back(test::ground());
+  scene.bodies[0].material = named("steel");
+  for (const char* name : {"ice", "rubber"}) {
+    scene.bodies.push_back(test::body(Shape::box({0.3, 0.3, 0.1}), {0, *name == 'i' ? -1. : 1., 0.1}));
+    scene.bodies.back().material = named(name);
+  }
+  scene.materialPairs.push_back({"ice", "steel", 0.1, 0.1});
+  return scene;
+}
+
+TEST(PairRule, LetsOnePairSlideAndTheOtherHold) {
+  const double slope = 0.4, a = 10 * (std::sin(slope) - 0.1 * std::cos(slope));
+  std::uint64_t hash = 0;
+  for (const std::string backend : {"cpu", "reference", "lockstep", "distributed"}) {
+    World world(rampOfPairs(slope), options(10, backend));
+    test::run(world, 30);
+    const BodyState begin = world.state(world.bodyAt(1));
+    test::run(world, 30);
+    const BodyState end = world.state(world.bodyAt(1));
+    EXPECT_NEAR(end.velocity.x - begin.velocity.x, a / 2, 0.01 * a) << backend;
+    EXPECT_LT(std::fabs(world.state(world.bodyAt(2)).position.x), 2e-3) << backend;
+    EXPECT_EQ(world.firstDifference(), "") << backend;
+    if (backend == "cpu") hash = world.hash();
+    if (backend == "distributed") EXPECT_EQ(world.hash(), hash);
+  }
+}
+
+TEST(PairRule, ChangesWhileTheWorldRunsAndStaysInSaveGames) {
+  World world(rampOfPairs(0.4), options(10));
+  const auto speed = [&](int body) { return world.state(world.bodyAt(body)).velocity.x; };
+  test::run(world, 20);
+  const Snapshot before = Snapshot::fromBytes(world.snapshot().bytes());
+  world.removeMaterialPair("steel", "ice");
+  world.setMaterialPair({"rubber", "steel", 0.05, 0.05});
+  const double ice = speed(1);
+  test::run(world, 20);
+  EXPECT_LT(speed(1), ice);
+  EXPECT_GT(speed(2), 0.3);
+  test::run(world, 40);
+  EXPECT_LT(speed(1), 1e-3);
+  // the snapshot has the rules of its time
+  world.restore(before);
+  ASSERT_EQ(world.materialPairs().size(), 1u);
+  World other(test::emptyScene(), options(10));
+  other.restore(before);
+  test::run(world, 20), test::run(other, 20);
+  EXPECT_GT(speed(1), ice);
+  EXPECT_EQ(world.hash(), other.hash());
+}
+
+TEST(PairRule, ReplacesEachCoefficientAlone) {
+  const auto run = [](const MaterialPair& rule, BodyDef ball, int steps) {
+    Scene scene = test::emptyScene();
+    scene.bodies.push_back(test::ground());
+    scene.bodies[0].material = named("a"), ball.material = named("b");
+    scene.bodies.push_back(ball);
+    scene.materialPairs.push_back(rule);
+    World world(scene, options(10));
+    double top = 0;
+    for (int i = 0; i < steps; ++i) {
+      world.step();
+      const BodyState s = world.state(world.bodyAt(1));
+      if (s.velocity.z > 0) top = std::max(top, s.position.z - 0.25);
+    }
+    return std::pair(world.state(world.bodyAt(1)), top);
+  };
+  MaterialPair rule{"a", "b"};
+  BodyDef ball = test::body(Shape::sphere(0.25), {0, 0, 1.25});
+  rule.restitution = 0.5;
+  EXPECT_NEAR(run(rule, ball, 70).second, 0.25, 0.03);
+  // a rolling ball loses 5/7 g l / r each second, a spinning one 5/2 g l / r^2
+  ball.position.z = 0.25, ball.velocity = {3, 0, 0}, ball.angularVelocity = {0, 12, 0};
+  rule = {"b", "a"}, rule.rollingFriction = 0.02;
+  EXPECT_NEAR(run(rule, ball, 60).first.velocity.x, 3 - 10 * 0.02 / 0.25 * 5 / 7, 0.03);
+  ball.velocity = {}, ball.angularVelocity = {0, 0, 6};
+  rule = {"b", "a"}, rule.torsionalFriction = 0.01;
+  EXPECT_NEAR(run(rule, ball, 30).first.angularVelocity.z, 6 - 2.5 * 10 * 0.01 / 0.0625 / 2, 0.3);
+}
+
+TEST(PairRule, ActsOnVerticesAndLeavesOtherWorldsAlone) {
+  const auto sceneOf = [](double friction) {
+    Scene scene = rampOfPairs(0.4);
+    ParticlesDef grain;
+    grain.radius = 0.05, grain.vertices = {{0, 3, 0.05}};
+    grain.material = named("grain");
+    scene.deformables.push_back(grain);
+    scene.materialPairs.push_back({"grain", "steel", friction, friction});
+    return scene;
+  };
+  WorldOptions own = options(10);
+  own.threads = 1;
+  Worlds worlds(own);
+  for (const double friction : {0.2, 1.0, 0.1}) worlds.add(sceneOf(friction));
+  worlds.step(40);
+  int k = 0;
+  for (const double friction : {0.2, 1.0, 0.1}) {
+    World alone(sceneOf(friction), own);
+    test::run(alone, 40);
+    EXPECT_EQ(alone.positions(alone.deformables()[0]), worlds[k].positions(worlds[k].deformables()[0]));
+    EXPECT_EQ(alone.state(alone.bodyAt(1)).position, worlds[k].state(worlds[k].bodyAt(1)).position);
+    const double a = std::max(0.0, 10 * (std::sin(0.4) - friction * std::cos(0.4)));
+    EXPECT_NEAR(alone.velocities(alone.deformables()[0])[0].x, a * 40 / 60., 0.05 * a + 0.01);
+    ++k;
+  }
+}
+
+TEST(PairRule, OfNoNameOrTwiceIsRefused) {
+  Scene scene = rampOfPairs(0.1);
+  scene.materialPairs.push_back({"steel", "ice", 0.3});
+  EXPECT_THROW(World(scene, options()), Error);
+  scene.materialPairs.back() = {"", "ice"};
+  EXPECT_THROW(World(scene, options()), Error);
+  scene.materialPairs.back() = {"a", "b", 0.1, 0.2};
+  EXPECT_THROW(World(scene, options()), Error);
+  World world(rampOfPairs(0.1), options());
+  EXPECT_THROW(world.removeMaterialPair("steel", "rubber"), Error);
+}
+
+/// A plate at a height of 2 m that holds from above only, and a body.
+Scene platform(const Shape& shape, const Vec3& at, const Vec3& velocity, double thickness = 0.05) {
+  Scene scene = test::emptyScene();
+  scene.bodies.push_back(test::body(Shape::box({3, 3, thickness}), {0, 0, 2 - thickness}));
+  scene.bodies[0].motion = Motion::Static;
+  scene.bodies[0].material.oneWay = {0, 0, 2};
+  BodyDef body = test::body(shape, at);
+  body.velocity = velocity;
+  scene.bodies.push_back(body);
+  return scene;
+}
+
+std::vector<Shape> passengers() {
+  return {Shape::sphere(0.2), Shape::box({0.2, 0.15, 0.2}), Shape::hull(test::prismCorners(5, 0.2, 0.2)),
+          Shape::compound({{Shape::box({0.2, 0.1, 0.1}), {0, 0, 0.1}, {}},
+                           {Shape::box({0.1, 0.1, 0.1}), {0, 0, -0.1}, {}}})};
+}
+
+TEST(OneWay, LetsPassFromBelowWithoutATraceAndHoldsFromAbove) {
+  for (const Shape& shape : passengers())
+    for (const double speed : {7., 20., 90.}) {
+      Scene scene = platform(shape, {0, 0, 0.7}, {0.1, 0, speed}, speed > 50 ? 0.01 : 0.05), free = scene;
+      free.bodies[0].position = {100, 0, 0};
+      WorldOptions own = options(10);
+      own.events = true;
+      World world(scene, own), without(free, own);
+      const BodyId body = world.bodyAt(1);
+      for (int i = 0; i < 40; ++i) {
+        world.step(), without.step();
+        if (world.state(body).velocity.z < 0) break;
+        EXPECT_TRUE(world.events().contacts.empty());
+        ASSERT_EQ(world.state(body).position, without.state(body).position) << speed << " step " << i;
+      }
+      // back from above, as fast
+      BodyState s = world.state(body);
+      s.position.z = std::max(2.5, s.position.z), s.velocity.z = -speed;
+      s.position.z = std::min(4.0, s.position.z);
+      world.setState(body, s);
+      test::run(world, 150);
+      EXPECT_NEAR(world.state(body).position.z, 2.2, 0.02) << speed;
+    }
+}
+
+TEST(OneWay, DecidesOnceAndKeepsItUntilTheyPart) {
+  // a body that turns within the plate falls back through it, one that comes clear of it stays up
+  for (const Shape& shape : passengers())
+    for (const double top : {1.9, 2.1, 2.6}) {
+      Scene scene = platform(shape, {0, 0, 0.7}, {0, 0, std::sqrt(2 * 10 * (top - 0.7))});
+      World world(scene, options(10));
+      test::run(world, 120);
+      const double z = world.state(world.bodyAt(1)).position.z;
+      if (top > 2.4)
+        EXPECT_NEAR(z, 2.2, 0.02);
+      else
+        EXPECT_LT(z, -1);
+    }
+}
+
+TEST(OneWay, HasTheSameBitsOnAllBackends) {
+  std::uint64_t hash = 0;
+  for (const std::string backend : {"cpu", "lockstep", "distributed"}) {
+    Scene scene = platform(Shape::sphere(0.2), {0, 0, 0.7}, {0, 0, 9});
+    for (const Shape& shape : passengers()) {
+      BodyDef more = test::body(shape, {1. - 0.5 * double(scene.bodies.size()), 1, 2.6});
+      scene.bodies.push_back(more);
+      more.position = {more.position.x, -1, 0.8}, more.velocity = {0, 0, 8};
+      scene.bodies.push_back(more);
+    }
+    ClothDef sheet = clothSheet({-0.5, -2.5, 2.4}, {1, 0, 0}, {0, 0.6, 0}, 4, 3);
+    scene.deformables.emplace_back(sheet);
+    World world(scene, options(6, backend));
+    test::run(world, 80);
+    EXPECT_EQ(world.firstDifference(), "");
+    if (backend == "cpu") hash = world.hash();
+    if (backend == "distributed") EXPECT_EQ(world.hash(), hash);
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i)
+      EXPECT_GT(world.state(world.bodyAt(static_cast<int>(i))).position.z, 2) << i;
+    for (const Vec3& v : world.positions(world.deformables()[0])) EXPECT_GT(v.z, 1.99);
+  }
+}
+
+TEST(OneWay, LetsVerticesPassFromBelow) {
+  for (const double speed : {8., 40.}) {
+    Scene scene = platform(Shape::sphere(0.2), {0, 0, 9}, {});
+    ParticlesDef grains;
+    grains.radius = 0.04;
+    for (int i = 0; i < 5; ++i) grains.vertices.push_back({0.3 * i, 0, 0.5 + 0.1 * i});
+    grains.velocity = {0, 0, speed};
+    scene.deformables.push_back(grains);
+    World world(scene, options(6));
+    const DeformableId id = world.deformables()[0];
+    const int up = static_cast<int>(2.5 / speed * 60) + 1;
+    test::run(world, up);
+    for (const Vec3& v : world.velocities(id)) EXPECT_NEAR(v.z, speed - 10. * up / 60, 1e-3);
+    test::run(world, static_cast<int>(speed / 10 * 120) + 120);
+    for (const Vec3& v : world.positions(id)) EXPECT_NEAR(v.z, 2.04, 0.02);
+  }
 }
 
 }  // namespace

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 #include "tests/query/random_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/shapes.h"
 
 namespace rubble {
 namespace {
@@ -211,6 +213,164 @@ TEST_P(Query, ClosestPointsAreThoseOfTheDistanceFunctions) {
     if (!hits[i].hit) continue;
     EXPECT_NEAR(hits[i].distance, least, 1e-5) << i;
     EXPECT_NEAR(length(hits[i].position - queries[i].point), hits[i].distance, 1e-5) << i;
+  }
+}
+
+TEST_P(Query, AllHitsOfARayAreTheFirstOfEachBody) {
+  const Scene scene = randomScene(21);
+  World world(scene, test::options(4, GetParam()));
+  test::Random random(22);
+  std::vector<RayQuery> rays;
+  for (int i = 0; i < 60; ++i)
+    rays.push_back({random.vector(18), random.direction(), random.uniform(20, 80), randomFilter(random)});
+  const std::vector<RayHit> first = world.castRays(rays);
+  const auto all = world.castRaysAll(rays);
+  std::size_t most = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_EQ(first[i].hit, !all[i].empty()) << i;
+    if (!first[i].hit) continue;
+    EXPECT_EQ(all[i][0].body, first[i].body) << i;
+    EXPECT_EQ(all[i][0].distance, first[i].distance) << i;
+    EXPECT_TRUE(std::ranges::is_sorted(all[i], {}, &RayHit::distance)) << i;
+    // what marching to each body alone finds
+    std::set<int> found, expected;
+    for (const RayHit& hit : all[i]) found.insert(hit.body.index);
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+      Scene alone;
+      alone.bodies.push_back(scene.bodies[b]);
+      if (March(alone)(rays[i].filter, rays[i].origin, normalize(rays[i].direction), rays[i].maxDistance, 0))
+        expected.insert(static_cast<int>(b));
+    }
+    EXPECT_EQ(found, expected) << i;
+    most = std::max(most, found.size());
+  }
+  EXPECT_GT(most, 2u);
+}
+
+TEST_P(Query, AllHitsOfShapesContainTheFirstAndTheOverlaps) {
+  const Scene scene = randomScene(23);
+  World world(scene, test::options(4, GetParam()));
+  test::Random random(24);
+  std::vector<CastQuery> casts;
+  std::vector<OverlapQuery> places;
+  for (int i = 0; i < 40; ++i) {
+    casts.push_back({test::randomSolid(random, 3), random.vector(14), random.rotation(),
+                     random.direction() * random.uniform(5, 40), randomFilter(random)});
+    places.push_back(
+        {casts.back().shape, casts.back().position, casts.back().orientation, casts.back().filter});
+  }
+  const std::vector<CastHit> first = world.castShapes(casts);
+  const auto all = world.castShapesAll(casts);
+  const auto bodies = world.overlaps(places);
+  const auto hits = world.overlapsAll(places);
+  std::size_t several = 0;
+  for (std::size_t i = 0; i < casts.size(); ++i) {
+    ASSERT_EQ(first[i].hit, !all[i].empty()) << i;
+    if (first[i].hit) {
+      EXPECT_EQ(all[i][0].body, first[i].body) << i;
+      EXPECT_EQ(all[i][0].fraction, first[i].fraction) << i;
+      EXPECT_EQ(all[i][0].position, first[i].position) << i;
+    }
+    EXPECT_TRUE(std::ranges::is_sorted(all[i], {}, &CastHit::fraction)) << i;
+    several += all[i].size() > 1 ? 1 : 0;
+    std::set<int> found, expected;
+    for (const OverlapHit& hit : hits[i]) found.insert(hit.body.index);
+    for (const BodyId id : bodies[i]) expected.insert(id.index);
+    EXPECT_EQ(found, expected) << i;
+    // what overlaps at the start is met at the start
+    for (const CastHit& hit : all[i])
+      if (expected.contains(hit.body.index)) EXPECT_EQ(hit.fraction, 0) << i;
+  }
+  EXPECT_GT(several, 5u);
+}
+
+/// A sheet at z = 1, a cable along x at z = 3, and a grain at z = 5; a slab of body at z = 0.
+Scene softLayers() {
+  Scene scene = test::emptyScene({});
+  scene.bodies.push_back(test::body(Shape::box({3, 3, 0.25}), {}));
+  ClothDef sheet = clothSheet({-2, -2, 1}, {4, 0, 0}, {0, 4, 0}, 5, 7);
+  sheet.userData = 7;
+  scene.deformables.push_back(sheet);
+  CableDef cable = straightCable({-2, 0, 3}, {2, 0, 3}, 8);
+  cable.radius = 0.1;
+  scene.deformables.push_back(cable);
+  ParticlesDef grain;
+  grain.radius = 0.3, grain.vertices = {{0, 0, 5}};
+  scene.deformables.push_back(grain);
+  return scene;
+}
+
+TEST_P(Query, SeeDeformableObjectsWhereTheyAre) {
+  World world(softLayers(), test::options(4, GetParam()));
+  const std::vector<DeformableId> objects = world.deformables();
+  test::Random random(25);
+  for (int i = 0; i < 40; ++i) {
+    const double x = random.uniform(-1.9, 1.9),
+                 y = i % 2 == 0 ? random.uniform(-0.3, 0.3) : random.uniform(-1.9, 1.9);
+    RayQuery ray{{x, y, 9}, {0, 0, -2}, 20, {}};
+    EXPECT_EQ(world.castRay(ray).body, world.bodyAt(0));
+    ray.filter.deformables = true;
+    std::vector<std::pair<int, double>> expected;  // object, its height
+    if (x * x + y * y < 0.09) expected.emplace_back(2, 5 + std::sqrt(0.09 - x * x - y * y));
+    if (std::fabs(y) < 0.1) expected.emplace_back(1, 3 + std::sqrt(0.01 - y * y));
+    expected.emplace_back(0, 1);
+    const std::vector<RayHit> all = world.castRaysAll({{ray}})[0];
+    ASSERT_EQ(all.size(), expected.size() + 1) << x << " " << y;
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      EXPECT_EQ(all[k].object, objects[static_cast<std::size_t>(expected[k].first)]);
+      EXPECT_NEAR(9 - all[k].distance, expected[k].second, 1e-5);
+      EXPECT_NEAR(all[k].position.z, expected[k].second, 1e-5);
+      EXPECT_EQ(all[k].body, BodyId{});
+      EXPECT_GT(all[k].normal.z, 0);
+    }
+    EXPECT_EQ(all.back().body, world.bodyAt(0));
+    const RayHit sheet = all[all.size() - 2];
+    EXPECT_EQ(sheet.userData, 7u);
+    // the triangle is the one below
+    const ClothDef& def = std::get<ClothDef>(world.definition(objects[0]));
+    Vec3 low{1e9, 1e9, 0}, high{-1e9, -1e9, 0};
+    for (const int v : def.triangles[static_cast<std::size_t>(sheet.triangle)]) {
+      const Vec3& at = def.vertices[static_cast<std::size_t>(v)];
+      low = {std::min(low.x, at.x), std::min(low.y, at.y), 0};
+      high = {std::max(high.x, at.x), std::max(high.y, at.y), 0};
+    }
+    EXPECT_TRUE(x >= low.x - 1e-6 && x <= high.x + 1e-6 && y >= low.y - 1e-6 && y <= high.y + 1e-6);
+    EXPECT_EQ(world.castRay(ray).object, all[0].object);
+    ray.filter.ignoreObject = all[0].object;
+    EXPECT_EQ(world.castRay(ray).object, all[1].object);
+    // casts, overlaps and closest points of spheres
+    CastQuery cast{Shape::sphere(0.2), {x, y, 9}, {}, {0, 0, -8.5}, ray.filter};
+    cast.filter.ignoreObject = {};
+    double met = 1.2;
+    if (std::fabs(y) < 0.3) met = 3 + std::sqrt(0.09 - y * y);
+    if (x * x + y * y < 0.25) met = 5 + std::sqrt(0.25 - x * x - y * y);
+    EXPECT_NEAR(9 - 8.5 * world.castShapes({{cast}})[0].fraction, met, 0.02) << x << " " << y;
+    EXPECT_EQ(world.castShapesAll({{cast}})[0].size(),
+              std::size_t(met > 3.5) + std::size_t(std::fabs(y) < 0.3) + 1);
+    OverlapQuery overlap{Shape::box({0.1, 0.1, 0.1}), {x, y, 1.05}, {}, cast.filter};
+    EXPECT_EQ(world.overlapsAll({{overlap}})[0].size(), 1u);
+    overlap.position.z = 1.15;
+    EXPECT_EQ(world.overlapsAll({{overlap}})[0].size(), 0u);
+    const ClosestHit closest = world.closestPoints({{{{x, y, 1.5}, 2, cast.filter}}})[0];
+    EXPECT_EQ(closest.object, objects[0]);
+    EXPECT_NEAR(closest.distance, 0.5, 1e-6);
+  }
+  // as bodies of layer 1
+  RayQuery other{{0, 0.5, 9}, {0, 0, -1}, 20, {}};
+  other.filter.deformables = true, other.filter.mask = 6;
+  EXPECT_FALSE(world.castRay(other).hit);
+}
+
+TEST_P(Query, AllHitsNameTheTriangleOfAMesh) {
+  Scene scene = test::emptyScene();
+  scene.bodies.push_back(test::groundOf("mesh"));
+  World world(scene, test::options(4, GetParam()));
+  test::Random random(26);
+  for (int i = 0; i < 20; ++i) {
+    const Vec3 from{random.uniform(-4, 4), random.uniform(-4, 4), 2};
+    const RayHit ray = world.castRay({from, {0, 0, -1}, 5, {}});
+    const CastHit cast = world.castShapesAll({{{Shape::sphere(0.01), from, {}, {0, 0, -5}, {}}}})[0].at(0);
+    EXPECT_EQ(cast.triangle, ray.triangle) << from.x << " " << from.y;
   }
 }
 

@@ -163,5 +163,109 @@ TEST(SoftWorld, LetsVerticesThroughSensors) {
   EXPECT_LT(world.positions(world.deformables()[0])[0].z, 0);
 }
 
+TEST(SoftChange, ToItsOwnDefinitionKeepsEveryBit) {
+  for (const char* backend : {"cpu", "reference"}) {
+    World world(medley(), options(4, backend));
+    run(world, 30);
+    const Snapshot start = world.snapshot();
+    run(world, 10);
+    const std::uint64_t untouched = world.hash();
+    world.restore(start);
+    for (const DeformableId id : world.deformables()) {
+      const Deformable same = world.definition(id);
+      world.setDefinition(id, same);
+    }
+    run(world, 10);
+    EXPECT_EQ(world.hash(), untouched) << backend;
+  }
+}
+
+TEST(SoftChange, OfStiffnessMovesABeamToItsNewSag) {
+  // the deflection is that of a beam which had the new stiffness from the start
+  const auto sag = [](double before, double after) {
+    TetSolidDef beam = clampedBeam(4, 1, before);
+    beam.viscosity = 1e6;
+    World world(sceneWith(beam), options(10));
+    run(world, 40);
+    if (after != before) {
+      const std::vector<Vec3> at = world.positions(world.deformables()[0]);
+      beam.youngsModulus = after;
+      world.setDefinition(world.deformables()[0], beam);
+      EXPECT_EQ(world.positions(world.deformables()[0]), at);
+    }
+    run(world, 80);
+    double low = 1;
+    for (const Vec3& v : world.positions(world.deformables()[0])) low = std::min(low, v.z);
+    return low;
+  };
+  const double soft = sag(5e6, 5e6), stiff = sag(2e7, 2e7);
+  EXPECT_LT(soft, 2.5 * stiff);
+  EXPECT_NEAR(sag(2e7, 5e6), soft, 0.05 * std::fabs(soft));
+  EXPECT_NEAR(sag(5e6, 2e7), stiff, 0.05 * std::fabs(soft));
+}
+
+TEST(SoftChange, KeepsTearsVelocitiesAndPlasticStrain) {
+  Scene scene = medley();
+  World world(scene, options(4));
+  run(world, 20);
+  for (const DeformableId id : world.deformables()) {
+    const std::vector<Vec3> x = world.positions(id), v = world.velocities(id);
+    Deformable def = world.definition(id);
+    common(def).material.dynamicFriction = 0.1, common(def).gravityScale = 0.5;
+    common(def).collideSurface = !common(def).collideSurface;
+    common(def).userData = 5;
+    world.setDefinition(id, def);
+    EXPECT_EQ(world.positions(id), x);
+    EXPECT_EQ(world.velocities(id), v);
+    EXPECT_EQ(world.userData(id), 5u);
+  }
+  run(world, 20);
+  // a torn sheet stays torn, and a sheet can be let go
+  World torn(sceneWith([] {
+               ClothDef sheet = clothSheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 4, 4);
+               for (int i = 0; i < 5; ++i) sheet.fixed.push_back(i), sheet.fixed.push_back(20 + i);
+               sheet.tearStretch = 1.3, sheet.youngsModulus = 1e5;
+               return sheet;
+             }()),
+             options(6));
+  const DeformableId id = torn.deformables()[0];
+  std::vector<Vec3> pulled = torn.positions(id);
+  for (std::size_t i = 20; i < 25; ++i) pulled[i].y += 1;
+  torn.setVertices(id, pulled, std::vector<Vec3>(pulled.size()));
+  run(torn, 30);
+  const std::size_t left = torn.surface(id).triangles.size();
+  ASSERT_LT(left, 32u);
+  ClothDef loose = std::get<ClothDef>(torn.definition(id));
+  loose.fixed.clear(), loose.tearStretch = kUnbreakable;
+  torn.setDefinition(id, loose);
+  run(torn, 60);
+  EXPECT_EQ(torn.surface(id).triangles.size(), left);
+  for (const Vec3& v : torn.velocities(id)) EXPECT_LT(v.z, -8);
+}
+
+TEST(SoftChange, OfFixedVerticesStopsThem) {
+  World world(sceneWith(clothSheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 4, 4)), options(4));
+  const DeformableId id = world.deformables()[0];
+  run(world, 20);
+  ClothDef held = std::get<ClothDef>(world.definition(id));
+  for (int i = 0; i < 25; ++i) held.fixed.push_back(i);
+  const std::vector<Vec3> at = world.positions(id);
+  world.setDefinition(id, held);
+  run(world, 10);
+  EXPECT_EQ(world.positions(id), at);
+}
+
+TEST(SoftChange, RefusesAnotherKindNameOrNumberOfVertices) {
+  World world(medley(), options(4));
+  const DeformableId cloth = world.deformables()[1];
+  const std::uint64_t before = world.hash();
+  EXPECT_THROW(world.setDefinition(cloth, world.definition(world.deformables()[2])), Error);
+  EXPECT_THROW(world.setDefinition(cloth, clothSheet({}, {1, 0, 0}, {0, 1, 0}, 3, 3)), Error);
+  Deformable other = world.definition(cloth);
+  common(other).name = "other";
+  EXPECT_THROW(world.setDefinition(cloth, other), Error);
+  EXPECT_EQ(world.hash(), before);
+}
+
 }  // namespace
 }  // namespace rubble

@@ -1,5 +1,6 @@
 /// Events, sensors and forces out.
 #include <gtest/gtest.h>
+#include <rubble/worlds.h>
 
 #include <algorithm>
 
@@ -120,6 +121,62 @@ TEST(Events, AreTheSameAtAnyNumberOfThreads) {
     }));
   }
   EXPECT_GT(count, 500u);
+}
+
+/// A tower whose second cube is pushed, whose top is removed, and on which another one falls.
+Scene scripted() {
+  Scene scene = test::tower(3);
+  scene.bodies[2].name = "middle", scene.bodies[3].name = "top1";
+  Event push, change;
+  push.step = 4, push.setVelocity = {{"middle", {0.5, 0, 0}, {}}};
+  change.step = 2, change.remove = {"top*"};
+  change.add = {test::unitCube({0.1, 0, 3.2})};
+  change.add[0].name = "late";
+  scene.events = {push, change};
+  return scene;
+}
+
+TEST(Script, RunsBeforeTheStepsOfItsEvents) {
+  World world(scripted(), test::options(4)), byHand(test::tower(3), test::options(4));
+  Worlds batch(test::options(4));
+  batch.add(test::tower(1)), batch.add(scripted());
+  for (int i = 0; i < 12; ++i) {
+    if (i == 2) {
+      byHand.removeBody(byHand.bodyAt(3));
+      byHand.addBody(test::unitCube({0.1, 0, 3.2}));
+    }
+    if (i == 4) byHand.setVelocity(byHand.bodyAt(2), {0.5, 0, 0}, {});
+    world.step(), byHand.step();
+    EXPECT_EQ(world.hash(), byHand.hash()) << i;
+  }
+  batch.step(12);
+  EXPECT_EQ(batch[1].state(batch[1].findBody("late")).position, world.state(world.findBody("late")).position);
+}
+
+TEST(Script, ContinuesFromSnapshotsAndSaveGames) {
+  World world(scripted(), test::options(4));
+  std::vector<Snapshot> snapshots;
+  for (int i = 0; i < 8; ++i) snapshots.push_back(world.snapshot()), world.step();
+  const std::uint64_t end = world.hash();
+  World other(test::emptyScene(), test::options(4));
+  for (const Snapshot& snapshot : snapshots) {
+    for (World* each : {&world, &other}) {
+      each->restore(each == &world ? snapshot : Snapshot::fromBytes(snapshot.bytes()));
+      while (each->stepCount() < 8) each->step();
+      EXPECT_EQ(each->hash(), end);
+    }
+  }
+}
+
+TEST(Script, ThatNamesNothingIsAnErrorOnce) {
+  Scene scene = test::tower(1);
+  scene.events.resize(2);
+  scene.events[0].remove = {"nobody"}, scene.events[1].add = {test::unitCube({3, 0, 1})};
+  World world(scene, test::options(4));
+  EXPECT_THROW(world.step(), Error);
+  EXPECT_EQ(world.stepCount(), 0);
+  world.step();
+  EXPECT_EQ(world.bodies().size(), 3u);
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ RB_API rb_world* rb_run_world(rb_run* run);
 RB_API int32_t rb_run_steps(const rb_run* run);
 /// Applies the events of this step, takes the step and measures. `report` may be null.
 RB_API rb_status rb_run_step(rb_run* run, rb_step_report* report);
-/// Call after rb_world_restore() on the world of the run: events from there on happen again.
+/// No longer needed: snapshots hold the events that are not due yet.
 RB_API rb_status rb_run_rewound(rb_run* run);
 /// Ends the measurements: JSON object with "metrics", "holds" and "claims".
 RB_API rb_status rb_run_finish(rb_run* run, const char** json);

@@ -338,6 +338,18 @@ typedef struct rb_closest_hit {
   double position[3];  ///< [m]
 } rb_closest_hit;
 
+/// A hit of a query that gives all hits.
+typedef struct rb_hit {
+  rb_body_id body;          ///< index -1: a deformable object
+  rb_deformable_id object;  ///< index -1: a body
+  int32_t part;             ///< of a compound: index into its parts
+  int32_t triangle;         ///< of a mesh, height field or deformable object: its index; otherwise -1
+  double distance;          ///< of a ray [m]; of a cast: fraction of the displacement; of an overlap: 0
+  double position[3];       ///< not of an overlap [m]
+  double normal[3];         ///< outward from what is hit; not of an overlap
+  uint64_t user_data;
+} rb_hit;
+
 typedef struct rb_pose {
   double position[3];     ///< world [m]
   double orientation[4];  ///< body -> world

@@ -23,6 +23,12 @@ RB_API rb_status rb_world_set_params(rb_world* world, const char* json);
 /// [m/s2]
 RB_API rb_status rb_world_gravity(const rb_world* world, double gravity[3]);
 RB_API rb_status rb_world_set_gravity(rb_world* world, const double gravity[3]);
+/// Adds a rule for two named materials, or replaces theirs: {"a": name, "b": name, "friction": 0.1}, with the
+/// keys of "material_pairs" in scene files.
+RB_API rb_status rb_world_set_material_pair(rb_world* world, const char* json);
+RB_API rb_status rb_world_remove_material_pair(rb_world* world, const char* a, const char* b);
+/// All rules as a JSON list.
+RB_API rb_status rb_world_material_pairs(const rb_world* world, const char** json);
 RB_API int64_t rb_world_step_count(const rb_world* world);
 /// Simulated time [s].
 RB_API double rb_world_time(const rb_world* world);
@@ -150,6 +156,9 @@ RB_API rb_status rb_world_find_deformable(const rb_world* world, const char* nam
 RB_API rb_status rb_world_deformable_at(const rb_world* world, int32_t index, rb_deformable_id* object);
 RB_API rb_status rb_world_deformable_definition(const rb_world* world, rb_deformable_id object,
                                                 const char** json);
+/// Replaces the fields of the definition that the JSON object names, from the next step on. Vertices and
+/// elements keep their state.
+RB_API rb_status rb_world_set_deformable(rb_world* world, rb_deformable_id object, const char* json);
 RB_API rb_status rb_world_deformable_name(const rb_world* world, rb_deformable_id object, const char** name);
 RB_API rb_status rb_world_vertex_count(const rb_world* world, rb_deformable_id object, int64_t* count);
 /// `positions` has 3 numbers per vertex [m]; `count`: number of vertices that it has room for.
@@ -203,6 +212,14 @@ RB_API rb_status rb_world_overlaps(rb_world* world, const rb_overlap* shapes, in
                                    const int64_t** offsets, const rb_body_id** bodies);
 RB_API rb_status rb_world_closest_points(rb_world* world, const rb_closest* points, int64_t count,
                                          rb_closest_hit* hits);
+/// All hits: of query k those from hits[offsets[k]] to hits[offsets[k + 1] - 1], the first of each part of
+/// each body, by distance. `deformables`: 1: also those on deformable objects, as bodies of layer 1.
+RB_API rb_status rb_world_cast_rays_all(rb_world* world, const rb_ray* rays, int64_t count,
+                                        int32_t deformables, const int64_t** offsets, const rb_hit** hits);
+RB_API rb_status rb_world_cast_shapes_all(rb_world* world, const rb_cast* casts, int64_t count,
+                                          int32_t deformables, const int64_t** offsets, const rb_hit** hits);
+RB_API rb_status rb_world_overlaps_all(rb_world* world, const rb_overlap* shapes, int64_t count,
+                                       int32_t deformables, const int64_t** offsets, const rb_hit** hits);
 
 /// Memory of the tables of the engine [bytes].
 RB_API int64_t rb_world_memory_bytes(const rb_world* world);

@@ -113,8 +113,8 @@ std::uint64_t tableLayout() {
   return hashOf(std::as_bytes(std::span(text)));
 }
 
-std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings) {
-  return std::make_unique<CpuEngine>(threads, timings);
+std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings, TaskSystem tasks) {
+  return std::make_unique<CpuEngine>(threads, timings, std::move(tasks));
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -34,7 +34,8 @@ void loadState(HostTables& tables, double& previousDt, std::span<const std::byte
 
 class CpuEngine final : public ObservableEngine, public BatchEngine {
  public:
-  CpuEngine(int threads, bool timings) : executor_(threads, timings) {}
+  CpuEngine(int threads, bool timings, TaskSystem tasks = {})
+      : executor_(threads, timings, std::move(tasks)) {}
 
   void configure(const EngineSettings& settings) override {
     settings_ = settings;
@@ -49,9 +50,20 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   const TableReader& read(Fetch, int) override { return reader_; }
   std::span<EngineQuery> queryRoom(std::size_t n) override { return queries_.room(n); }
   std::span<const EngineHit> hits(const EngineQueries& asked) override {
-    return queries_.hits(tables(), asked);
+    std::span<const EngineHit> out;
+    executor_.run([&] { out = queries_.hits(tables(), asked); });
+    return out;
   }
-  EngineOverlaps overlaps(const EngineQueries& asked) override { return queries_.overlaps(tables(), asked); }
+  EngineOverlaps overlaps(const EngineQueries& asked) override {
+    EngineOverlaps out;
+    executor_.run([&] { out = queries_.overlaps(tables(), asked); });
+    return out;
+  }
+  EngineAllHits allHits(const EngineQueries& asked) override {
+    EngineAllHits out;
+    executor_.run([&] { out = queries_.allHits(tables(), asked); });
+    return out;
+  }
   ArrayView array(StateArray which) override { return arrays_.view(which); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     scatterRows(tables(), which, rows, values);
@@ -107,7 +119,7 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   HostReader reader_{executor_.tables()};
   HostArrays arrays_{executor_.tables()};
   HostJointRows jointRows_;
-  HostQueries queries_;
+  HostQueries queries_{executor_.tasks()};
   EngineSettings settings_;
   double previousDt_ = 0;
   std::vector<WorldSettings> worlds_;  ///< of a batch

@@ -9,9 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
-#include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 
 #include <rubble/report.h>
@@ -22,6 +20,7 @@
 #include "backend/kernel_observer.h"
 #include "stages/step.h"
 #include "tables/host_tables.h"
+#include "tables/loops.h"
 #include "tables/state_rows.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -33,9 +32,11 @@ class CpuExecutor {
   /// coloring takes a few rounds.
   static constexpr int kMaxRounds = 10000;
 
-  /// `timings`: measure stage times.
-  explicit CpuExecutor(int threads, bool timings = true)
-      : arena_(threads > 0 ? threads : tbb::task_arena::automatic), timings_(timings) {}
+  /// `timings`: measure stage times. `tasks`: run all loops, if given.
+  explicit CpuExecutor(int threads, bool timings = true, TaskSystem tasks = {})
+      : arena_(threads > 0 ? threads : tbb::task_arena::automatic),
+        tasks_(std::move(tasks)),
+        timings_(timings) {}
 
   HostTables& tables() { return tables_; }
   const HostTables& tables() const { return tables_; }
@@ -49,8 +50,15 @@ class CpuExecutor {
   /// not depend on it.
   void takeOneByOne() { together_ = false; }
 
-  /// Runs f() in the thread arena of this executor.
-  template <class F> void run(F&& f) { arena_.execute(f); }
+  const TaskSystem& tasks() const { return tasks_; }
+
+  /// Runs f() on the threads of this executor.
+  template <class F> void run(F&& f) {
+    if (tasks_.run)
+      f();
+    else
+      arena_.execute(f);
+  }
 
   template <class Kernel> void forEach(const Kernel& kernel, int n) {
     const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
@@ -118,7 +126,9 @@ class CpuExecutor {
           if (const int k = key[l * members + m]; k >= 0) f(k, m);
       };
       const int levels = members > 0 ? (n + members - 1) / members : 0;
-      tbb::parallel_for(0, levels, level);
+      forEachRange(tasks_, levels, 1, [&](int begin, int end) {
+        for (int l = begin; l < end; ++l) level(l);
+      });
     };
     std::fill_n(offset, count + 1, 0);
     forEachKey([&](int k, int) { ++offset[k]; });
@@ -181,8 +191,11 @@ class CpuExecutor {
   }
   void order(const std::uint64_t* keys, int* to, int n) {
     std::iota(to, to + n, 0);
-    tbb::parallel_sort(to, to + n,
-                       [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+    const auto less = [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; };
+    if (tasks_.run)
+      std::sort(to, to + n, less);
+    else
+      tbb::parallel_sort(to, to + n, less);
   }
   template <class T> void copy(T* to, const T* from, int n) { std::copy_n(from, n, to); }
   /// Releases the scratch memory.
@@ -272,7 +285,9 @@ class CpuExecutor {
   template <class F> void forRange(int n, F&& f) {
     // smaller ranges run serially
     constexpr int kGrain = 64;
-    if (n <= kGrain || arena_.max_concurrency() == 1) return f(0, n);
+    if (n <= kGrain) return f(0, n);
+    if (tasks_.run) return forEachPart(tasks_, n, kGrain, f);
+    if (arena_.max_concurrency() == 1) return f(0, n);
     const auto body = [&](const tbb::blocked_range<int>& range) { f(range.begin(), range.end()); };
     tbb::parallel_for(tbb::blocked_range<int>(0, n, kGrain), body, tbb::static_partitioner{});
   }
@@ -284,6 +299,7 @@ class CpuExecutor {
   HostTables tables_;
   std::vector<std::unique_ptr<void, Release>> rooms_;
   tbb::task_arena arena_;
+  TaskSystem tasks_;
   bool timings_;
   bool together_ = true;
   Division* division_ = nullptr;

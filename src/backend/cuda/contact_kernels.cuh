@@ -84,7 +84,8 @@ struct RecycleManifoldByLanes {
     storeMemory(memory, m, tile);
     own.normal = n, own.row = -1;
     own.stick = bits == 0 ? 0 : static_cast<std::uint8_t>(stick);
-    own.impact = 0, own.activePoints = static_cast<std::uint8_t>(bits), own.recycled = true;
+    own.impact = 0, own.activePoints = static_cast<std::uint8_t>(bits), own.recycled = true,
+    own.passes = false;
     storeShared(own, m, tile);
     if (k != 0) return;
     const bool rows = bits != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);

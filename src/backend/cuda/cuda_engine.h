@@ -8,6 +8,7 @@
 #include "backend/cuda/device_queries.h"
 #include "backend/cuda/mirror.h"
 #include "tables/exclusions.h"
+#include "tables/host_queries.h"
 #include "tables/host_reader.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -74,6 +75,10 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   EngineOverlaps overlaps(const EngineQueries& asked) override {
     return queries_.overlaps(present(), host().view().step, asked, stepper_.stream());
   }
+  EngineAllHits allHits(const EngineQueries& asked) override {
+    mirror_.fetchAll();
+    return hostQueries_.allHits(host(), asked);
+  }
   void observe(KernelObserver observer) override { stepper_.observe(std::move(observer)); }
   const HostTables& tablesNow() override;
   /// Device memory.
@@ -125,7 +130,7 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   }
   void write(const SetSurfaces& e) {
     RUBBLE_CORE::apply(host(), e);
-    mirror_.listWritten(Per::Surface);
+    mirror_.listWritten(Per::Surface), mirror_.listWritten(Per::MaterialRule);
   }
   void write(const SetPlanes& e) {
     RUBBLE_CORE::apply(host(), e);
@@ -175,6 +180,8 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   HostReader reader_{mirror_.host()};
   DevicePoses poses_;
   DeviceQueries queries_;
+  TaskSystem noTasks_;
+  HostQueries hostQueries_{noTasks_};
   std::unique_ptr<HostTables> seen_;  ///< of tablesNow()
   std::vector<ContactRows> seenRows_;
   MostWritten seenMost_;

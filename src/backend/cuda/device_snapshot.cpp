@@ -72,6 +72,7 @@ SnapshotSizes sizesOf(const HostTables& tables, int pairs, int activePairs, int 
   sizes.shapeVectors = tables.shapeVectors, sizes.shapeIndices = tables.shapeIndices,
   sizes.shapeParts = tables.shapeParts, sizes.surfaces = s.surfaces;
   sizes.traits = tables.traits(), sizes.rolledBefore = s.rolledBefore;
+  sizes.oneWay = s.oneWay;
   sizes.rollers = s.rolls || s.rolledBefore ? s.counters->rollers : 0;
   std::copy(std::begin(s.joints), std::end(s.joints), sizes.joints);
   sizes.bodyIds = tables.bodyIds;
@@ -100,7 +101,7 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   tables.shapeVectors = sizes.shapeVectors, tables.shapeIndices = sizes.shapeIndices,
   tables.shapeParts = sizes.shapeParts, s.surfaces = sizes.surfaces;
   tables.setTraits(sizes.traits);
-  s.rolledBefore = sizes.rolledBefore;
+  s.rolledBefore = sizes.rolledBefore, s.oneWay = sizes.oneWay;
 }
 
 std::shared_ptr<const AuthoredBytes> copyAuthored(const HostTables& tables, const SnapshotSizes& sizes) {

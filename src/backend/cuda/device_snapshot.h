@@ -13,7 +13,7 @@ struct SnapshotSizes {
   int bodies = 0, planes = 0, exclusions = 0, pairs = 0, activePairs = 0, manifolds = 0;
   int shapeVectors = 0, shapeIndices = 0, shapeParts = 0, surfaces = 0, rollers = 0;
   TraitCounts traits;
-  bool rolledBefore = false;
+  bool rolledBefore = false, oneWay = false;
   int joints[JointTypes::kSize] = {};
   int excludedPairs = 0, bodyIds = 0, jointIds[JointTypes::kSize] = {};
   /// Number of persistent elements of a kind.

@@ -109,6 +109,8 @@ int Mirror::liveCount(Per per) const {
       return host_.shapeParts;
     case Per::Surface:
       return s.surfaces;
+    case Per::MaterialRule:
+      return s.materialRules;
     case Per::Rolling:
       return s.rolls || s.rolledBefore ? s.counters->rollers : 0;
     case Per::Exclusion:

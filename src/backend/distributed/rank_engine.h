@@ -36,6 +36,7 @@ class RankEngine final : public ObservableEngine {
   std::span<EngineQuery> queryRoom(std::size_t n) override { return cpu_.queryRoom(n); }
   std::span<const EngineHit> hits(const EngineQueries& asked) override { return cpu_.hits(asked); }
   EngineOverlaps overlaps(const EngineQueries& asked) override { return cpu_.overlaps(asked); }
+  EngineAllHits allHits(const EngineQueries& asked) override { return cpu_.allHits(asked); }
   ArrayView array(StateArray which) override { return cpu_.array(which); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     guarded([&] { cpu_.scatter(which, rows, values); });

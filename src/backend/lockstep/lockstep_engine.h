@@ -42,6 +42,10 @@ class LockstepEngine final : public Engine, public BatchEngine {
     b_.engine->hits(asked);
     return a_.engine->hits(asked);
   }
+  EngineAllHits allHits(const EngineQueries& asked) override {
+    b_.engine->allHits(asked);
+    return a_.engine->allHits(asked);
+  }
   EngineOverlaps overlaps(const EngineQueries& asked) override {
     b_.engine->overlaps(asked);
     return a_.engine->overlaps(asked);

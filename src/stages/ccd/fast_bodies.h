@@ -10,7 +10,7 @@
 
 #include "collision/sweep.h"
 #include "stages/coarse/forest.h"
-#include "stages/contacts/contacts.h"
+#include "stages/contacts/one_way.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -116,7 +116,8 @@ RUBBLE_HD inline bool stopsAtImpact(const SolverData& s, int body, int other) {
 
 /// May the pair cause a CCD stop?
 RUBBLE_HD inline bool mayImpact(const SolverData& s, const OrderedPair& o) {
-  return (s.fast[o.a] || s.fast[o.b]) && !isSensor(s, o.a) && !isSensor(s, o.b);
+  return (s.fast[o.a] || s.fast[o.b]) && !isSensor(s, o.a) && !isSensor(s, o.b) &&
+         !(s.oneWay && arePassing(s, o.a, o.b));
 }
 
 /// Upper bound of the approach of any two points of the bodies [m].
@@ -141,8 +142,10 @@ RUBBLE_HD inline bool mayPass(const SolverData& s, const OrderedPair& o, const S
   return (hasRows(m) && !bothDynamic(s, o)) || approach(s, o, a, b) > thin;
 }
 
-/// Records that the bodies of pair i meet at this fraction of their motion.
-RUBBLE_HD inline void recordImpact(const SolverData& s, int i, const OrderedPair& o, double fraction) {
+/// Records that the bodies of pair i meet at this fraction of their motion. `n`: normal from A to B.
+RUBBLE_HD inline void recordImpact(const SolverData& s, int i, const OrderedPair& o, double fraction,
+                                   const Vec3d& n) {
+  if (s.oneWay && !hasRows(manifoldOf(s, i)) && !stopsOneWay(s, o, partsOf(s, s.pair[i], o), n)) return;
   const int bits = floatBits(static_cast<Real>(1 - fraction));
   s.toiBits[i] = max(s.toiBits[i], bits);
   if (stopsAtImpact(s, o.a, o.b)) atomicRaise(&s.ccdShareBits[o.a], bits);
@@ -167,7 +170,7 @@ struct FindImpacts {
     const TimeOfImpact m = timeOfImpactOfPair(a, motionA, b, motionB, manifoldOf(s, i), thin,
                                               bothDynamic(s, o), tolerance);
     if (m.fraction > 1) return;
-    recordImpact(s, i, o, m.fraction);
+    recordImpact(s, i, o, m.fraction, m.at.n);
   }
 };
 

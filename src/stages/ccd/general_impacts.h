@@ -71,7 +71,7 @@ struct FindGeneralImpacts {
       if (!mayPass(s, o, motionA, motionB, thin, manifoldOf(s, i))) return;
       const TimeOfImpact m = timeOfImpactOfPair(asConvex(a), motionA, asConvex(b), motionB, manifoldOf(s, i),
                                                 thin, bothDynamic(s, o), tolerance);
-      if (m.fraction <= 1) recordImpact(s, i, o, m.fraction);
+      if (m.fraction <= 1) recordImpact(s, i, o, m.fraction, m.at.n);
       return;
     }
     const bool onA = surfaceIsOnA(s, p, o);
@@ -110,7 +110,7 @@ struct FindGeneralImpacts {
       };
       m = timeOfImpactWithTriangles(whole, motionS, convex, motionP, {tolerance, true, allowed}, impactWith);
     }
-    if (m.fraction <= 1) recordImpact(s, i, o, m.fraction);
+    if (m.fraction <= 1) recordImpact(s, i, o, m.fraction, onA ? m.at.n : -m.at.n);
   }
 };
 

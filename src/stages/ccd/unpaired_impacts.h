@@ -79,6 +79,12 @@ RUBBLE_HD inline TimeOfImpact timeOfImpactUnpaired(const PlacedAny& part, const 
                                    impactWith);
 }
 
+/// The normal of timeOfImpactUnpaired(), from the part to the other one.
+RUBBLE_HD inline Vec3d normalOf(const PlacedAny& part, const PlacedAny& other, const TimeOfImpact& at) {
+  // a surface comes first
+  return isSurface(other.shape.kind) && part.shape.kind != ShapeKind::Distance ? -at.at.n : at.at.n;
+}
+
 struct FindUnpairedImpacts {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
@@ -92,6 +98,7 @@ struct FindUnpairedImpacts {
         s, i, motion,
         [&](int other) {
           if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
+          if (s.oneWay && arePassing(s, i, other)) return;
           // primitive bodies whose boxes touched have a pair; parts of others may be too far apart for one
           if (isPrimitivePair(s, i, other) && boundsTouch(s.bounds[i], s.bounds[other])) return;
           const double fraction = timeOfImpactWithBody(s, i, other);
@@ -120,7 +127,9 @@ struct FindUnpairedImpacts {
         const PlacedAny b = placedAny(s.shapeTables(), its, s.position[other] - s.position[i],
                                       s.orientation[other], j);
         const TimeOfImpact m = timeOfImpactUnpaired(a, motion, b, otherMotion, tolerance);
-        if (m.fraction > 0) first = min(first, m.fraction);
+        if (!(m.fraction > 0) || (s.oneWay && !stopsOneWay(s, {i, other}, {k, j}, normalOf(a, b, m))))
+          continue;
+        first = min(first, m.fraction);
       }
     return first;
   }

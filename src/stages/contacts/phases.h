@@ -3,6 +3,7 @@
 #include "stages/bodies/corrections.h"
 #include "stages/bounces/bounce.h"
 #include "stages/contacts/general_contacts.h"
+#include "stages/contacts/one_way.h"
 #include "stages/contacts/rolling.h"
 #include "stages/executor.h"
 
@@ -21,6 +22,7 @@ template <Executor E> void prepare(E& e) {
   e.forEach(RecycleManifolds{}, &Counters::activePairs);
   e.forEach(TestPairs{}, &Counters::tested);
   if (s.generalShapes) e.forEach(TestGeneralPairs{}, &Counters::tested);
+  if (s.oneWay) e.forEach(DecideOneWay{}, &Counters::activePairs);
   e.scan(&SolverData::hasRows, &SolverData::rowOffset, &Counters::activePairs, &Counters::manifolds,
          Per::Manifold);
   if (s.rolls) {

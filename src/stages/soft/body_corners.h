@@ -12,7 +12,7 @@
 /// surface has an outside. The contact normal must also agree with the outward direction of the body at the
 /// corner. A normal that does not agree comes from an adjacent part of a folded sheet and is rejected.
 #include "collision/corners.h"
-#include "stages/contacts/materials.h"
+#include "stages/contacts/one_way.h"
 #include "stages/pairs/filter.h"
 #include "stages/soft/feature_contacts.h"
 
@@ -334,17 +334,10 @@ RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, i
     const Real mass = s.vertexParams[f.v[k]].mass / (w * w);
     if (mass > Real(0)) rowMass = rowMass > Real(0) ? min(rowMass, mass) : mass;
   }
-  const SurfaceData surface = surfaceOf(s, body, corner.part);
-  const auto friction = [&](Real a, Real c) {
-    return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c);
-  };
   // an inactive row still needs a valid vertex
   if (used == 0) p.v[0] = f.v[0];
-  p.muStatic = friction(surface.muStatic, point.muStatic);
-  p.muDynamic = friction(surface.muDynamic, point.muDynamic);
   return {rowMass, -gap, dot(p.n, corner.velocity - partVelocity(s, f, best.touch.w)),
-          combined(surface.restitutionCombine, point.restitutionCombine, Combine::Maximum,
-                   surface.restitution, point.restitution)};
+          setMaterial(s, p, surfaceOf(s, body, corner.part), surfaceOf(point))};
 }
 
 }  // namespace rubble::RUBBLE_CORE

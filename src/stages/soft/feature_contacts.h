@@ -4,6 +4,7 @@
 /// triangles gives only one contact. Edges have a contact with each other where they cross in their
 /// interiors.
 #include "solver/warmstart.h"
+#include "stages/contacts/materials.h"
 #include "stages/soft/features.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -182,6 +183,14 @@ RUBBLE_HD void searchFeatures(const SolverData& s, int owner, Found&& found, int
   seekFeatures(s, world, corners == 1 ? FeatureKind::Triangle : FeatureKind::Edge, box, look, lane, lanes);
 }
 
+/// Sets the friction of a contact of two materials and returns its restitution.
+RUBBLE_HD inline Real setMaterial(const SolverData& s, PointContact& p, const SurfaceData& a,
+                                  const SurfaceData& b) {
+  const MixedMaterial m = mixed(s, s.worldOfPoint(p.v[0]), a, b);
+  p.muStatic = m.muStatic, p.muDynamic = m.muDynamic;
+  return m.restitution;
+}
+
 /// Rows of a vertex or edge (A) against a feature (B). Fills the geometry and returns the initial values.
 RUBBLE_HD inline PointContactStart touchFeature(const SolverData& s, int owner, int other, PointContact& p,
                                                 Real& gap, Real& margin) {
@@ -204,14 +213,8 @@ RUBBLE_HD inline PointContactStart touchFeature(const SolverData& s, int owner, 
     const Real mass = s.vertexParams[parts.v[k]].mass / (c * c);
     if (mass > Real(0)) rowMass = rowMass > Real(0) ? min(rowMass, mass) : mass;
   }
-  const auto friction = [&](Real a, Real b) {
-    return combined(pa.frictionCombine, pb.frictionCombine, Combine::GeometricMean, a, b);
-  };
-  p.muStatic = friction(pa.muStatic, pb.muStatic);
-  p.muDynamic = friction(pa.muDynamic, pb.muDynamic);
   return {rowMass, -gap, dot(p.n, relativeVelocity(s, parts)),
-          combined(pa.restitutionCombine, pb.restitutionCombine, Combine::Maximum, pa.restitution,
-                   pb.restitution)};
+          setMaterial(s, p, surfaceOf(pa), surfaceOf(pb))};
 }
 
 }  // namespace rubble::RUBBLE_CORE

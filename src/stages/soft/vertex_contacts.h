@@ -214,16 +214,9 @@ RUBBLE_HD inline PointContactStart touchBody(const SolverData& s, int v, int bod
   // at the middle of the gap
   p.lever = x - p.n * ((at.distance + point.radius) / 2);
   p.length = width;
-  const SurfaceData surface = surfaceOf(s, body, at.part);
-  const auto friction = [&](Real a, Real c) {
-    return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c);
-  };
-  p.muStatic = friction(surface.muStatic, point.muStatic);
-  p.muDynamic = friction(surface.muDynamic, point.muDynamic);
+  const Real restitution = setMaterial(s, p, surfaceOf(s, body, at.part), surfaceOf(point));
   const Real closing = -dot(p.n, relative) + dot(p.n, cross(s.angularVelocity[body], p.lever));
-  return {lighter(point.mass, b.mass), -gap, closing,
-          combined(surface.restitutionCombine, point.restitutionCombine, Combine::Maximum,
-                   surface.restitution, point.restitution)};
+  return {lighter(point.mass, b.mass), -gap, closing, restitution};
 }
 
 /// Granular particles a (A) and b (B).
@@ -239,14 +232,8 @@ RUBBLE_HD inline PointContactStart touchParticle(const SolverData& s, int a, int
   p.weight[0] = 1, p.weight[1] = -1;
   p.body = -1;
   p.n = normalize(d);
-  const auto friction = [&](Real x, Real y) {
-    return combined(pa.frictionCombine, pb.frictionCombine, Combine::GeometricMean, x, y);
-  };
-  p.muStatic = friction(pa.muStatic, pb.muStatic);
-  p.muDynamic = friction(pa.muDynamic, pb.muDynamic);
   return {lighter(pa.mass, pb.mass), -gap, dot(p.n, relative),
-          combined(pa.restitutionCombine, pb.restitutionCombine, Combine::Maximum, pa.restitution,
-                   pb.restitution)};
+          setMaterial(s, p, surfaceOf(pa), surfaceOf(pb))};
 }
 
 /// Adds a share of the displacement by surface velocity to the drift of a contact. Rows correct only the
@@ -284,6 +271,21 @@ RUBBLE_HD inline const PointContact* contactLeftFor(const SolverData& s, int i) 
   return nullptr;
 }
 
+/// Does the vertex of a contact with a body pass its one-way surface?
+RUBBLE_HD inline bool passesOneWay(const SolverData& s, const PointContact& p, const PointContact* old,
+                                   Real gap, Real closing) {
+  const OneWays ways{oneWayOf(s, p.body, p.part), {0, 0, 0}};
+  if (!ways.any()) return false;
+  const Real touch = kTouchGap * p.length;
+  OneWayState state;
+  state.touches = gap < touch;
+  state.inFront = ways.hold(p.n);
+  // at a normal in front a body that comes from behind moves away
+  state.behind = gap < -touch && closing < Real(0);
+  state.known = old != nullptr, state.passed = old && old->passes;
+  return state.passes();
+}
+
 /// Rows of a pair at x^t, warm-started from those of the previous step.
 struct UpdatePointContacts {
   static constexpr const char* kStage = "rows";
@@ -307,7 +309,8 @@ struct UpdatePointContacts {
                                         ? touchParticle(s, pair.vertex, pair.other - kVertexNode, p, gap,
                                                         margin)
                                         : touchFeature(s, pair.vertex, pair.other, p, gap, margin);
-    p.active = gap <= margin;
+    if (s.oneWay && p.body >= 0) p.passes = passesOneWay(s, p, old, gap, start.closing);
+    p.active = gap <= margin && !p.passes;
     if (p.active) {
       beginPointContact(s.stepOfPoint(p.v[0]), p, start, old);
       addSurfaceShift(s, p, Real(1) / s.step->driftCorrection);
