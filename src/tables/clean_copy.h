@@ -6,9 +6,7 @@ namespace rubble {
 
 /// In a union GCC 12 finds the padding of a type. Elsewhere it takes members behind an array of more than 64
 /// bytes for padding.
-template <class T> union Alone {
-  T value;
-};
+template <class T> union Alone { T value; };
 
 /// Copies elements with zeroed padding, where the compiler supports it. Padding carries no state but is
 /// hashed.
