@@ -38,10 +38,11 @@ if(RUBBLE_NVCC)
 endif()
 
 if(RUBBLE_CHECKS)
-  foreach(script layers equations links sizes units words)
+  foreach(script layers equations links pages sizes units words)
     rubble_add_check(${script} checks ${Python3_EXECUTABLE} tools/check_${script})
   endforeach()
   rubble_add_check(picture_of_the_step checks ${Python3_EXECUTABLE} tools/draw_step --check)
+  rubble_add_check(page_of_performance checks ${Python3_EXECUTABLE} tools/make_performance --check)
   rubble_add_check(tools checks ${Python3_EXECUTABLE} -B -m unittest discover -s tests/tools)
   rubble_add_check(packaging heavy bash tests/packaging/run ${PROJECT_BINARY_DIR} ${CMAKE_CXX_COMPILER})
 
