@@ -57,6 +57,12 @@ inline constexpr std::uint32_t kRopeKey = ~0u;
 void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points,
              std::vector<std::array<int, 3>>& triangles);
 
+/// Draws wheels of gears and racks with teeth, and adds stands of hinges to the world, which are static and
+/// have keys that no body has. `bodies`: those of the world, in the order of World::bodies().
+void drawMachines(const World& world, std::vector<PictureBody>& bodies);
+/// Does a world have some? Large worlds have none.
+bool hasMachines(const World& world);
+
 /// The deformable objects of a world as they are now, or of a scene as they begin.
 void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy = ColorBy::Body);
 void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies);
