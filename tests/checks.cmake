@@ -44,6 +44,12 @@ if(RUBBLE_CHECKS)
   rubble_add_check(picture_of_the_step checks ${Python3_EXECUTABLE} tools/draw_step --check)
   rubble_add_check(page_of_performance checks ${Python3_EXECUTABLE} tools/make_performance --check)
   rubble_add_check(tools checks ${Python3_EXECUTABLE} -B -m unittest discover -s tests/tools)
+  set(program_of_pages "")
+  if(TARGET rubble_cli)
+    set(program_of_pages $<TARGET_FILE:rubble_cli>)
+  endif()
+  rubble_add_check(code_of_pages checks ${Python3_EXECUTABLE} -B tests/tools/page_code.py ${CMAKE_CXX_COMPILER}
+    ${program_of_pages})
   rubble_add_check(packaging heavy bash tests/packaging/run ${PROJECT_BINARY_DIR} ${CMAKE_CXX_COMPILER})
 
   rubble_add_check(c_abi checks ${Python3_EXECUTABLE} tools/check_abi)

@@ -192,6 +192,13 @@ class Abi(CheckTest):
 
 
 class Links(CheckTest):
+    def test_paths_in_prose(self):
+        self.plant("src/math/a.h", "")
+        self.plant("docs/a.md", "See `src/math/a.h`, `math/a.h` of src and tests/NAME_test.cpp.\n")
+        self.assert_clean("links")
+        self.plant("docs/b.md", "See `src/math/b.h`.\n")
+        self.assert_finds("links", "docs/b.md:1: names src/math/b.h")
+
     def test_links(self):
         self.plant("docs/a.md", "[b](b.md), [code](../src), [web](https://example.org/x), `[x](y)`\n")
         self.plant("docs/b.md", "\n")
