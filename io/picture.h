@@ -57,6 +57,12 @@ inline constexpr std::uint32_t kRopeKey = ~0u;
 void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points,
              std::vector<std::array<int, 3>>& triangles);
 
+/// Draws wheels of gears and racks with teeth, and adds stands of hinges to the world, which are static and
+/// have keys that no body has. `bodies`: those of the world, in the order of World::bodies().
+void drawMachines(const World& world, std::vector<PictureBody>& bodies);
+/// Does a world have some? Large worlds have none.
+bool hasMachines(const World& world);
+
 /// The deformable objects of a world as they are now, or of a scene as they begin.
 void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy = ColorBy::Body);
 void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies);
@@ -84,5 +90,9 @@ double boundingRadius(const Shape& shape);
 
 /// Throws Error if the file cannot be written.
 void writePng(const Image& image, const std::string& file);
+/// 16 bits for each number, rows from the top. `channels`: 1 (gray) or 3 (red, green, blue). Throws Error if
+/// the file cannot be written.
+void writePng16(int width, int height, int channels, const std::vector<std::uint16_t>& numbers,
+                const std::string& file);
 
 }  // namespace rubble::io

@@ -48,7 +48,9 @@ BodyPose poseOf(const PoseSource& source, const ArrayView& position, const Array
   return {positionAt(position, source.row) + rotate(turn, source.place), turn * source.turn};
 }
 
-bool posesAreAll(const World& world) { return world.deformables().empty() && !hasRopes(world); }
+bool posesAreAll(const World& world) {
+  return world.deformables().empty() && !hasRopes(world) && !hasMachines(world);
+}
 
 void WatchedBodies::update(World& world, ColorBy colorBy, std::vector<PictureBody>& bodies,
                            std::int64_t& epoch) {

@@ -28,7 +28,8 @@ PoseFrame posesNow(World& world);
 std::vector<PoseSource> poseSources(World& world);
 /// Of a body, from arrays of the host: StateArray::Position and Orientation.
 BodyPose poseOf(const PoseSource& source, const ArrayView& position, const ArrayView& orientation);
-/// Do bodies move and nothing else? Deformable objects and ropes are other meshes in every step.
+/// Do bodies move and nothing else? Deformable objects and ropes are other meshes in every
+/// step, and machines have parts that are no bodies.
 bool posesAreAll(const World& world);
 
 /// Bodies as pictureBodies has them, kept up to date: while none come or go and nothing deforms, only poses

@@ -109,6 +109,7 @@ std::vector<PictureBody> pictureBodies(const World& world, ColorBy colorBy) {
                       static_cast<std::uint32_t>(id.index), definition.motion});
     if (!values.empty()) bodies.back().value = values[bodies.size() - 1];
   }
+  if (colorBy == ColorBy::Body) drawMachines(world, bodies);
   addDeformables(world, bodies, colorBy);
   addRopes(world, bodies);
   return bodies;

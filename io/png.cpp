@@ -12,34 +12,49 @@
 namespace rubble::io {
 
 #if defined(RUBBLE_HAS_PNG)
-void writePng(const Image& image, const std::string& file) {
+static void write(png_image& header, const void* rows, int stride, const std::string& file) {
   OutputFile out(file);
-  png_image header{};
-  header.version = PNG_IMAGE_VERSION;
-  header.width = static_cast<png_uint_32>(image.width);
-  header.height = static_cast<png_uint_32>(image.height);
-  const bool hasAlpha = !image.alpha.empty();
-  header.format = hasAlpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
-  std::vector<std::uint8_t> withAlpha;
-  for (std::size_t i = 0; i < image.alpha.size(); ++i) {
-    withAlpha.insert(withAlpha.end(), &image.rgb[3 * i], &image.rgb[3 * i] + 3);
-    withAlpha.push_back(image.alpha[i]);
-  }
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<char> bytes(size);
-  const int made = png_image_write_to_memory(&header, bytes.data(), &size, 0,
-                                             hasAlpha ? withAlpha.data() : image.rgb.data(),
-                                             (hasAlpha ? 4 : 3) * image.width, nullptr);
+  const int made = png_image_write_to_memory(&header, bytes.data(), &size, 0, rows, stride, nullptr);
   const std::string message = header.message;
   png_image_free(&header);
   if (!made) throw Error(file, "a picture that can be compressed", message);
   out.stream().write(bytes.data(), static_cast<std::streamsize>(size));
   out.finish();
 }
+static png_image headerOf(int width, int height, png_uint_32 format) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = static_cast<png_uint_32>(width);
+  header.height = static_cast<png_uint_32>(height);
+  header.format = format;
+  return header;
+}
+
+void writePng(const Image& image, const std::string& file) {
+  const bool hasAlpha = !image.alpha.empty();
+  png_image header = headerOf(image.width, image.height, hasAlpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB);
+  std::vector<std::uint8_t> withAlpha;
+  for (std::size_t i = 0; i < image.alpha.size(); ++i) {
+    withAlpha.insert(withAlpha.end(), &image.rgb[3 * i], &image.rgb[3 * i] + 3);
+    withAlpha.push_back(image.alpha[i]);
+  }
+  write(header, hasAlpha ? withAlpha.data() : image.rgb.data(), (hasAlpha ? 4 : 3) * image.width, file);
+}
+
+void writePng16(int width, int height, int channels, const std::vector<std::uint16_t>& numbers,
+                const std::string& file) {
+  png_image header = headerOf(width, height, channels == 1 ? PNG_FORMAT_LINEAR_Y : PNG_FORMAT_LINEAR_RGB);
+  write(header, numbers.data(), channels * width, file);
+}
 #else
 void writePng(const Image&, const std::string& file) {
   throw Error(file, "a build with libpng to write pictures (Debian: apt-get install libpng-dev)",
               "one without");
+}
+void writePng16(int, int, int, const std::vector<std::uint16_t>&, const std::string& file) {
+  writePng({}, file);
 }
 #endif
 

@@ -172,7 +172,10 @@ std::string folderOf(const std::string& file) { return std::filesystem::path(fil
 SceneFile readScene(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) throw Error(file, "a file that can be read", "none");
+  if (!in) throw Error(file, "a file that can be read", "none");
+  if (in.peek() == std::ifstream::traits_type::eof())
+    throw Error(file, "a scene", std::filesystem::is_directory(file) ? "a folder" : "an empty file");
+  text << in.rdbuf();
   std::vector<Fault> faults;
   SceneFile scene = parseScene(text.str(), faults, folderOf(file));
   if (!faults.empty()) throw Error(faultText(file, faults));

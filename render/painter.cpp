@@ -1,6 +1,7 @@
 #include "render/painter.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <rubble/error.h>
 
@@ -14,6 +15,14 @@ namespace rubble::render {
 #if defined(RUBBLE_HAS_GL)
 namespace {
 
+Vec3 sunAt(const std::array<double, 2>& angles, const Vec3& up, const Camera& camera) {
+  const Vec3 ahead = camera.target - camera.eye,
+             fallback = cross(up, Vec3{std::fabs(up.x) < .6 ? 1. : 0., 1, 0});
+  const Vec3 right = normalize(cross(ahead, up), normalize(fallback));
+  const Vec3 level = right * std::cos(angles[0]) + cross(up, right) * std::sin(angles[0]);
+  return level * std::cos(angles[1]) + up * std::sin(angles[1]);
+}
+
 class GlPainter final : public Painter {
  public:
   GlPainter(std::span<const io::PictureBody> atStart, const Vec3& gravity, const Camera& camera,
@@ -22,6 +31,7 @@ class GlPainter final : public Painter {
     quality_.samples = settings.transparent ? std::max(2, settings.samples) : settings.samples;
     stage_.setting().background = settings.background;
     stage_.setting().transparent = settings.transparent;
+    if (settings.sun) stage_.setting().toSun = sunAt(*settings.sun, stage_.setting().up, camera);
   }
 
   io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera,
@@ -31,6 +41,7 @@ class GlPainter final : public Painter {
     return stage_.picture(camera, quality_);
   }
   std::vector<float> depths() const override { return stage_.renderer().readDepths(); }
+  std::vector<float> normals() const override { return stage_.renderer().readNormals(); }
 
  private:
   PaintSettings settings_;

@@ -1,6 +1,7 @@
 #pragma once
 /// Pictures without a display. Every build has this interface. One without the renderer refuses to make the
 /// device.
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,6 +21,9 @@ struct PaintSettings {
   /// As in Setting.
   std::optional<Vec3f> background = {};
   bool transparent = false;
+  /// Direction of the sun: angle about up, from the right of the first camera, and height above the horizon
+  /// [rad]. Otherwise the light is chosen for that camera.
+  std::optional<std::array<double, 2>> sun = {};
 };
 
 /// Draws the pictures of one run. Colors and light are chosen from the scene as it begins.
@@ -30,6 +34,8 @@ class Painter {
                           std::span<const Line> lines = {}) = 0;
   /// View depth of each pixel of the last picture, rows from the top [m]; infinity in the sky.
   virtual std::vector<float> depths() const = 0;
+  /// Its unit normals, three numbers in world axes a pixel; 0 in the sky.
+  virtual std::vector<float> normals() const = 0;
 };
 
 /// What draws. Painters must not outlive it.

@@ -233,7 +233,9 @@ std::vector<Json> readReports(const std::vector<std::string>& files) {
     try {
       content = Json::parse(in);
     } catch (const Json::exception& error) {
-      throw Error(file, "JSON", error.what());
+      // without the name of the library's exception
+      const std::string text = error.what();
+      throw Error(file, "JSON", text.substr(text.find("] ") + 2));
     }
     if (!content.is_array()) content = Json::array({content});
     for (const Json& report : content) {

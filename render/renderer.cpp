@@ -363,6 +363,16 @@ std::vector<float> Renderer::readDepths() const {
   return fromTheTop(upward, static_cast<std::size_t>(width));
 }
 
+std::vector<float> Renderer::readNormals() const {
+  const int width = impl_->width, height = impl_->height;
+  std::vector<float> upward(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->material.id());
+  glReadBuffer(GL_COLOR_ATTACHMENT1);
+  glReadPixels(0, 0, width, height, GL_RGB, GL_FLOAT, upward.data());
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  return fromTheTop(upward, 3 * static_cast<std::size_t>(width));
+}
+
 void Renderer::show(unsigned framebuffer, int left) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->pictureTarget.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);

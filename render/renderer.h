@@ -70,6 +70,9 @@ class Renderer {
   io::Image read() const;
   /// View depth of each pixel of the last picture, rows from the top [m]; infinity in the sky.
   std::vector<float> readDepths() const;
+  /// Unit normal of each pixel of the last picture, three numbers in world axes, rows from the top; 0 in the
+  /// sky.
+  std::vector<float> readNormals() const;
   /// Copies the last picture to a framebuffer (0: the window), so many pixels from its left.
   void show(unsigned framebuffer, int left = 0) const;
   /// Body at a pixel (from the left and the top) of the last picture, or -1.

@@ -48,7 +48,7 @@ Spec beamSpec() {
     return probes;
   };
   spec.claims = [](const Arguments& arguments) {
-    // what linear tetrahedra lock by goes with 1 / cells (docs/soft.md, section 7)
+    // what linear tetrahedra lock by goes with 1 / cells (docs/research/deformables.md)
     const double cell = 1 / value(arguments, "cells_high");
     return std::vector<Claim>{within("tip_over_beam_theory", 1 - .8 * cell, 1.02 - .3 * cell,
                                      "the sag of beam theory, but for the stiffness of linear tetrahedra"),

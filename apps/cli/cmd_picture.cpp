@@ -35,7 +35,8 @@ void fromTrajectory(const PictureCommand& options, const Look& look) {
 }
 
 std::vector<io::PictureBody> bodiesAtStart(const PreparedJob& prepared, const Look& look) {
-  if (io::knownWithoutWorld(look.colorBy)) return io::pictureBodies(prepared.job.scene);
+  if (look.colorBy != io::ColorBy::Body && io::knownWithoutWorld(look.colorBy))
+    return io::pictureBodies(prepared.job.scene);
   return io::pictureBodies(World(prepared.job.scene, prepared.world), look.colorBy);
 }
 

@@ -25,6 +25,7 @@ struct RenderCommand {
   int measure = 0;
   bool live = false, json = false;
   std::string background, path;
+  std::vector<double> sun;
 };
 
 /// Linear color of "RRGGBB".
@@ -83,8 +84,15 @@ int renderNow(RenderCommand& command) {
   if (options.transparent &&
       (std::filesystem::path(options.out).extension() != ".png" || !options.compare.empty()))
     throw Error("--transparent", "one run, into .png files", options.out);
-  if (!options.depthFile.empty() && std::filesystem::path(options.depthFile).extension() != ".npy")
-    throw Error("--depth", "a file that ends in .npy", options.depthFile);
+  const auto endsIn = [](const std::string& file, const char* ending) {
+    return std::filesystem::path(file).extension() == ending;
+  };
+  if (!options.depthFile.empty() && !endsIn(options.depthFile, ".npy") && !endsIn(options.depthFile, ".png"))
+    throw Error("--depth", "a file that ends in .npy or .png", options.depthFile);
+  if (!options.normalsFile.empty() && !endsIn(options.normalsFile, ".png"))
+    throw Error("--normals", "a file that ends in .png", options.normalsFile);
+  if (!command.sun.empty())
+    options.sun = {command.sun[0] * std::numbers::pi / 180, command.sun[1] * std::numbers::pi / 180};
   if (command.live && command.measure == 0) throw Error("--live", "--measure as well", "none");
   if (command.measure > 0) {
     printMeasure(measureRender(options, command.measure, command.live), options);
@@ -130,8 +138,20 @@ void addRender(CLI::App& app, int& status) {
   sub->add_flag("--transparent", options.transparent, "Sky and ground planes are transparent (.png)");
   sub->add_option(
          "--depth", options.depthFile,
-         "Also write the view depth of each pixel [m] as an array of NumPy: depth.npy, or depth_%04d.npy")
+         "Also write the view depth of each pixel: [m] as an array of NumPy (depth.npy, depth_%04d.npy), or "
+         "[mm] as 16 bits of gray (.png)")
       ->type_name("FILE");
+  sub->add_option("--normals", options.normalsFile,
+                  "Also write the normal of each pixel, world axes, as 16 bits of red, green and blue (.png)")
+      ->type_name("FILE");
+  sub->add_option(
+         "--sun", command->sun,
+         "Where the sun stands [degrees]: angle from the right of the picture (90: behind the scene), "
+         "height above the horizon")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(CLI::Range(-360.0, 360.0))
+      ->type_name("ANGLE,HEIGHT");
   sub->add_option("--motion-blur", options.shutter, "Share of the time of a frame for which it is exposed")
       ->check(CLI::Range(0.0, 1.0));
   sub->add_option("--fps", options.fps, "Frames per second of film")

@@ -1,6 +1,7 @@
 #include "apps/cli/file_job.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -40,7 +41,10 @@ scenes::Probes probesFor(const io::SceneFile& file) {
 std::vector<io::Fault> checkFile(const std::string& file, io::SceneFile& scene) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) throw Error(file, "a file that can be read", "none");
+  if (!in) throw Error(file, "a file that can be read", "none");
+  if (in.peek() == std::ifstream::traits_type::eof())
+    throw Error(file, "a scene", std::filesystem::is_directory(file) ? "a folder" : "an empty file");
+  text << in.rdbuf();
   std::vector<io::Fault> faults;
   scene = io::parseScene(text.str(), faults, io::folderOf(file));
   for (std::size_t i = 0; i < scene.claims.size(); ++i) {

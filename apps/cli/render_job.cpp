@@ -46,11 +46,13 @@ class Side {
     render::PaintSettings settings{width_, height_, samples_, options_.colorBy, options_.colorMax};
     settings.background = options_.background;
     settings.transparent = options_.transparent;
+    settings.sun = options_.sun;
     painter_ = device_.painter(plan_->shown(start_), source_->gravity(), cameraAt(start_, 0), settings);
   }
   std::vector<std::vector<io::PictureBody>> startAndNow() { return {start_, current().bodies}; }
   /// Of the last picture [m].
   std::vector<float> depths() const { return painter_->depths(); }
+  std::vector<float> normals() const { return painter_->normals(); }
 
   const MomentSource& source() const { return *source_; }
   bool step() {
@@ -165,8 +167,28 @@ class Exposure {
   std::vector<float> sum_, alpha_;
 };
 
-/// Writes depths as an array of NumPy, format 1.0.
+/// Millimeters up to 65.534 m; 65535: what is farther, and the sky.
+std::vector<std::uint16_t> depthNumbers(const std::vector<float>& depths) {
+  std::vector<std::uint16_t> numbers;
+  for (const float depth : depths)
+    numbers.push_back(depth < 65.5345f ? static_cast<std::uint16_t>(std::lround(1000 * depth)) : 65535);
+  return numbers;
+}
+/// -1 to 1 as 0 to 65534; 0, 0, 0 in the sky.
+std::vector<std::uint16_t> normalNumbers(const std::vector<float>& normals) {
+  std::vector<std::uint16_t> numbers;
+  for (std::size_t i = 0; i < normals.size(); i += 3) {
+    const bool sky = normals[i] == 0 && normals[i + 1] == 0 && normals[i + 2] == 0;
+    for (std::size_t k = i; k < i + 3; ++k)
+      numbers.push_back(static_cast<std::uint16_t>(
+          sky ? 0 : std::lround(32767 + 32767 * std::clamp(normals[k], -1.f, 1.f))));
+  }
+  return numbers;
+}
+
+/// Writes depths as an array of NumPy, format 1.0, or in a .png as millimeters.
 void writeDepths(const std::string& file, const std::vector<float>& depths, int width, int height) {
+  if (file.ends_with(".png")) return io::writePng16(width, height, 1, depthNumbers(depths), file);
   std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", height,
                                    width);
   constexpr std::size_t kBefore = 10, kAlign = 64;
@@ -243,6 +265,7 @@ RenderResult renderFilm(const RenderOptions& options) {
   const double begin = start + options.from * dt, end = start + steps * dt;
   const int frames = single ? 1 : framesIn(end - begin, frameTime);
   if (!options.depthFile.empty() && jobs.size() > 1) throw Error("--depth", "one run", "--compare");
+  if (!options.normalsFile.empty() && jobs.size() > 1) throw Error("--normals", "one run", "--compare");
   Progress progress(first.source().title(), single ? std::max(1, steps) : frames, options.quiet,
                     single ? "step" : "picture");
   if (!single)
@@ -274,6 +297,9 @@ RenderResult renderFilm(const RenderOptions& options) {
     sink->put(exposures > 1 ? exposure.image() : std::move(image));
     if (!options.depthFile.empty())
       writeDepths(numbered(options.depthFile, frame), sides.front()->depths(), width, options.height);
+    if (!options.normalsFile.empty())
+      io::writePng16(width, options.height, 3, normalNumbers(sides.front()->normals()),
+                     numbered(options.normalsFile, frame));
     ++result.frames;
     if (!single) progress.update(frame + 1, first.stepMs());
   }

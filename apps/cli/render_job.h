@@ -1,5 +1,6 @@
 #pragma once
 /// A film, or pictures, of one scene or of two side by side.
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,8 +33,10 @@ struct RenderOptions {
   std::shared_ptr<const render::CameraPath> path = nullptr;  ///< in place of the named camera's; or null
   std::optional<Vec3T<float>> background = {};               ///< linear, in place of the sky
   bool transparent = false;                                  ///< sky and planes are, in a .png
-  std::string depthFile;  ///< view depths (.npy), numbered as pictures are; "": none
-  double shutter = 0;     ///< share of the time of a frame for which it is exposed: motion blur [1]
+  std::string depthFile;    ///< view depths (.npy, .png), numbered as pictures are; "": none
+  std::string normalsFile;  ///< normals (.png), likewise
+  std::optional<std::array<double, 2>> sun = {};  ///< as in PaintSettings [rad]
+  double shutter = 0;  ///< share of the time of a frame for which it is exposed: motion blur [1]
   bool overlay = false;
   bool quiet = false;
 };

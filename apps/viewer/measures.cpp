@@ -10,7 +10,7 @@
 namespace rubble::viewer {
 namespace {
 
-const ImVec2 kPlotSize{330, 70};
+ImVec2 plotSize() { return {scaled(330), scaled(70)}; }
 /// Stages shorter than this share of the step are added up as "rest".
 constexpr double kSmallStage = .05;
 /// The residuals of a step that runs are measured every so many steps, and in scenes of so many bodies only
@@ -47,7 +47,7 @@ void measureIterations(UiState& uiState, Player& player) {
 
 void numberOf(Player& player, const ParamField& field) {
   double value = field.get(player.world().params());
-  ImGui::SetNextItemWidth(110);
+  ImGui::SetNextItemWidth(scaled(110));
   bool changed = false;
   if (std::string(field.unit) == "bool") {
     bool on = value != 0;
@@ -65,7 +65,7 @@ void numberOf(Player& player, const ParamField& field) {
 void drawArguments(UiState& uiState, Player& player) {
   for (const scenes::Argument& argument : player.arguments()) {
     double value = argument.value;
-    ImGui::SetNextItemWidth(110);
+    ImGui::SetNextItemWidth(scaled(110));
     const bool changed = ImGui::InputDouble(argument.name.c_str(), &value, 0, 0, "%.6g",
                                             ImGuiInputTextFlags_EnterReturnsTrue);
     if (ImGui::IsItemHovered())
@@ -80,7 +80,7 @@ void drawArguments(UiState& uiState, Player& player) {
 void drawGravity(Player& player) {
   const Vec3 gravity = player.world().gravity();
   double g[3] = {gravity.x, gravity.y, gravity.z};
-  ImGui::SetNextItemWidth(220);
+  ImGui::SetNextItemWidth(scaled(220));
   if (!ImGui::InputScalarN("gravity [m/s2]", ImGuiDataType_Double, g, 3, nullptr, nullptr, "%.4g",
                            ImGuiInputTextFlags_EnterReturnsTrue))
     return;
@@ -95,20 +95,22 @@ void drawPlots(UiState& uiState, Player& player) {
   player.measureEnergy = true;
   const std::vector<StepRecord>& records = player.records();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({kMargin, size.y - 70}, ImGuiCond_Once, {0, 1});
+  ImGui::SetNextWindowPos({size.x - kMargin, size.y - scaled(70)}, ImGuiCond_Once, {1, 1});
   ImGui::Begin("Plots", &uiState.showPlots, kPlain);
-  plot("stages", "ms", stageSeries(records), kPlotSize);
+  plot("stages", "ms", stageSeries(records), plotSize());
   std::vector<Series> energy{{"kinetic", {}}, {"potential from here", {}}, {"sum", {}}};
   Series error{"largest error", {}};
+  const auto measured = std::ranges::find_if(records,
+                                             [](const StepRecord& p) { return std::isfinite(p.potential); });
   for (const StepRecord& p : records) {
-    const double potential = p.potential - records.front().potential;
+    const double potential = measured == records.end() ? p.potential : p.potential - measured->potential;
     energy[0].values.push_back(p.kinetic);
     energy[1].values.push_back(potential);
     energy[2].values.push_back(p.kinetic + potential);
     error.values.push_back(p.error);
   }
-  plot("energy", "J", energy, kPlotSize);
-  plot("penetration and gaps", "m", {error}, kPlotSize);
+  plot("energy", "J", energy, plotSize());
+  plot("penetration and gaps", "m", {error}, plotSize());
   ImGui::Checkbox("residuals of the next step by iteration", &uiState.measureIterations);
   measureIterations(uiState, player);
   if (uiState.measureIterations && !uiState.iterations.empty()) {
@@ -117,7 +119,7 @@ void drawPlots(UiState& uiState, Player& player) {
       errors.values.push_back(uiState.iterations[i].error);
       changes.values.push_back(i == 0 ? std::nan("") : uiState.iterations[i].change);
     }
-    plot("residual", "m", {errors, changes}, kPlotSize, true);
+    plot("residual", "m", {errors, changes}, plotSize(), true);
   }
   ImGui::End();
 }
@@ -127,7 +129,7 @@ void drawSettings(UiState& uiState, Player& player) {
   ImGui::SetNextWindowPos({size.x / 2, kMargin}, ImGuiCond_Once, {.5f, 0});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {size.x, size.y - 90});
   ImGui::Begin("Settings", &uiState.showSettings, kPlain);
-  ImGui::SetNextItemWidth(110);
+  ImGui::SetNextItemWidth(scaled(110));
   if (ImGui::BeginCombo("backend", player.backend().c_str())) {
     for (const std::string& backend : backends()) {
       if (!ImGui::Selectable(backend.c_str(), backend == player.backend())) continue;
@@ -137,7 +139,7 @@ void drawSettings(UiState& uiState, Player& player) {
     ImGui::EndCombo();
   }
   int iterations = player.world().params().iterations;
-  ImGui::SetNextItemWidth(110);
+  ImGui::SetNextItemWidth(scaled(110));
   if (ImGui::SliderInt("iterations", &iterations, 1, 50))
     player.changeParams("iterations",
                         [iterations](Params& params) { params.iterations = std::max(1, iterations); });

@@ -36,6 +36,8 @@ Range rangeOf(const std::vector<Series>& series, bool logarithmic) {
 
 }  // namespace
 
+float scaled(float length) { return length * ImGui::GetIO().FontGlobalScale; }
+
 void row(const char* name, const char* unit, const Vec3& v, const char* doc) {
   ImGui::Text("%-20s %9.3g %9.3g %9.3g %s", name, v.x, v.y, v.z, unit);
   explain(doc);
@@ -65,21 +67,32 @@ void plot(const char* title, const char* unit, const std::vector<Series>& series
   for (std::size_t s = 0; s < series.size(); ++s) {
     const std::vector<double>& values = series[s].values;
     std::vector<ImVec2> points;
+    const auto finish = [&] {
+      draw->AddPolyline(points.data(), static_cast<int>(points.size()), colorOf(s), 0, 1.5f);
+      if (points.size() < 20)
+        for (const ImVec2& p : points) draw->AddCircleFilled(p, 2.5f, colorOf(s));
+      points.clear();
+    };
     for (std::size_t i = 0; i < values.size(); ++i) {
-      if (!std::isfinite(values[i])) continue;
+      // a gap where nothing is measured
+      if (!std::isfinite(values[i])) {
+        finish();
+        continue;
+      }
       const float across = values.size() > 1 ? static_cast<float>(i) / static_cast<float>(values.size() - 1)
                                              : .5f;
       points.push_back({corner.x + size.x * across, height(values[i])});
     }
-    draw->AddPolyline(points.data(), static_cast<int>(points.size()), colorOf(s), 0, 1.5f);
-    if (points.size() < 20)
-      for (const ImVec2& p : points) draw->AddCircleFilled(p, 2.5f, colorOf(s));
+    finish();
   }
   ImGui::Dummy(size);
   for (std::size_t s = 0; s < series.size(); ++s) {
     ImGui::PushStyleColor(ImGuiCol_Text, colorOf(s));
-    const double now = series[s].values.empty() ? 0 : series[s].values.back();
-    ImGui::Text("%s %.3g", series[s].name.c_str(), now);
+    const double now = series[s].values.empty() ? std::nan("") : series[s].values.back();
+    if (std::isfinite(now))
+      ImGui::Text("%s %.3g", series[s].name.c_str(), now);
+    else
+      ImGui::Text("%s -", series[s].name.c_str());
     ImGui::PopStyleColor();
     if (s % 3 != 2 && s + 1 < series.size()) ImGui::SameLine(0, 14);
   }

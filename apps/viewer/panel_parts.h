@@ -10,6 +10,8 @@
 namespace rubble::viewer {
 
 constexpr float kMargin = 12;
+/// Pixels of a length that is given for a display of 96 dots per inch.
+float scaled(float length);
 constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_AlwaysAutoResize |
                                     ImGuiWindowFlags_NoFocusOnAppearing;
 
@@ -23,8 +25,8 @@ struct Series {
   std::string name;
   std::vector<double> values;
 };
-/// Lines over one another from left to right, with a legend and the range of the values. `logarithmic`:
-/// values above 0.
+/// Lines over one another from left to right, with a legend and the range of the values. A line has gaps
+/// where values are not finite. `logarithmic`: values above 0.
 void plot(const char* title, const char* unit, const std::vector<Series>& series, const ImVec2& size,
           bool logarithmic = false);
 

@@ -1,5 +1,6 @@
 /// The panels of every session: scene, help, picker and timeline.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <imgui/imgui.h>
@@ -10,6 +11,7 @@
 #include "apps/viewer/recording_session.h"
 #include "apps/viewer/ui_state.h"
 #include "io/picture_values.h"
+#include "scenes/registry.h"
 
 namespace rubble::viewer {
 namespace {
@@ -31,7 +33,7 @@ void drawButtons(UiState& uiState, Session& session) {
 }
 
 void drawColors(UiState& uiState, const Session& session) {
-  ImGui::SetNextItemWidth(120);
+  ImGui::SetNextItemWidth(scaled(120));
   const io::Quantity& now = io::quantity(uiState.colorBy);
   if (ImGui::BeginCombo("color", now.key)) {
     for (const io::Quantity& q : io::quantities()) {
@@ -72,12 +74,28 @@ void drawCounts(Player& player) {
   }
 }
 
+/// "z, 9.81 m/s2": what is up, and gravity.
+std::string upText(const Vec3& gravity) {
+  const double size = length(gravity);
+  if (size == 0) return "none, no gravity";
+  int axis = 0;
+  for (int i = 1; i < 3; ++i)
+    if (std::fabs(gravity[i]) > std::fabs(gravity[axis])) axis = i;
+  char text[64];
+  if (std::fabs(gravity[axis]) < .999 * size)
+    std::snprintf(text, sizeof text, "oblique, g %.3g m/s2", size);
+  else
+    std::snprintf(text, sizeof text, "%s%c, g %.3g m/s2", gravity[axis] > 0 ? "-" : "", "xyz"[axis], size);
+  return text;
+}
+
 void drawScenePanel(UiState& uiState, Session& session) {
   ImGui::SetNextWindowPos({kMargin, kMargin}, ImGuiCond_Once);
   ImGui::Begin("Scene", nullptr, kPlain);
   ImGui::Text("%s", session.title().c_str());
   ImGui::Text("%.2f s, step %lld, %s", session.time(), static_cast<long long>(session.now()),
               session.paused ? "paused" : "running");
+  if (session.live()) ImGui::Text("up: %s", upText(session.live()->world().gravity()).c_str());
   if (session.live())
     drawCounts(*session.live());
   else if (const auto* film = dynamic_cast<const RecordingSession*>(&session))
@@ -85,13 +103,13 @@ void drawScenePanel(UiState& uiState, Session& session) {
                 film->complete() ? "" : ", the run was cut off");
   drawButtons(uiState, session);
   auto speed = static_cast<float>(session.speed);
-  ImGui::SetNextItemWidth(120);
+  ImGui::SetNextItemWidth(scaled(120));
   if (ImGui::SliderFloat("speed", &speed, .02f, 4, "%.2f", ImGuiSliderFlags_Logarithmic))
     session.speed = static_cast<double>(speed);
   drawColors(uiState, session);
   if (session.live()) drawOverlays(uiState.overlays);
   if (!uiState.message.empty()) {
-    ImGui::PushTextWrapPos(340);
+    ImGui::PushTextWrapPos(scaled(340));
     ImGui::TextColored({.75f, .1f, .05f, 1}, "%s", uiState.message.c_str());
     ImGui::PopTextWrapPos();
   }
@@ -124,11 +142,62 @@ void drawHelp(UiState& uiState) {
   ImGui::End();
 }
 
-void drawPicker(UiState& uiState, const std::vector<std::string>& scenes) {
+/// Titles of the groups of the picker, by the first tag of a scene, in their order.
+constexpr std::pair<const char*, const char*> kGroups[] = {
+    {"stack", "Stacks and piles"},
+    {"joint", "Joints and machines"},
+    {"rope", "Ropes"},
+    {"rod", "Rods"},
+    {"soft", "Soft solids"},
+    {"cloth", "Cloth"},
+    {"grains", "Granular"},
+    {"friction", "Friction"},
+    {"shape", "Shapes"},
+    {"fast", "Fast bodies"},
+    {"body", "Special bodies"},
+    {"basic", "Basics"},
+};
+std::size_t groupOf(const std::string& scene) {
+  const auto& tags = scenes::find(scene).tags;
+  const auto* const group = std::ranges::find_if(
+      kGroups, [&](const auto& entry) { return !tags.empty() && tags[0] == entry.first; });
+  return static_cast<std::size_t>(group - std::begin(kGroups));
+}
+
+/// Indices of the scenes that fit the search: without one all of them, by groups.
+std::vector<std::size_t> sceneChoices(const std::string& search, const std::vector<std::string>& names) {
+  std::vector<std::size_t> found = fuzzySearch(search, names);
+  if (!search.empty()) {
+    // words of descriptions come after names
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (std::ranges::find(found, i) == found.end() &&
+          scenes::find(names[i]).doc.find(search) != std::string::npos)
+        found.push_back(i);
+    return found;
+  }
+  std::ranges::sort(found, {}, [&](std::size_t i) { return std::pair(groupOf(names[i]), names[i]); });
+  return found;
+}
+
+void drawDescription(const std::string& name) {
+  const scenes::Spec& spec = scenes::find(name);
+  ImGui::BeginChild("##description");
+  ImGui::TextUnformatted(name.c_str());
+  ImGui::Separator();
+  ImGui::TextWrapped("%s", spec.doc.c_str());
+  ImGui::TextWrapped("%d steps at %d iterations", spec.steps, spec.iterations);
+  for (const scenes::Argument& argument : spec.arguments)
+    ImGui::TextWrapped("%s = %g: %s [%s]", argument.name.c_str(), argument.value, argument.doc.c_str(),
+                       argument.unit.c_str());
+  ImGui::EndChild();
+}
+
+void drawPicker(UiState& uiState, const std::vector<std::string>& names) {
   if (!uiState.showPicker) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({size.x / 2, size.y * .2f}, ImGuiCond_Always, {.5f, 0});
-  ImGui::SetNextWindowSize({420, 380}, ImGuiCond_Always);
+  ImGui::SetNextWindowPos({size.x / 2, size.y * .12f}, ImGuiCond_Always, {.5f, 0});
+  ImGui::SetNextWindowSize({std::min(scaled(640), size.x - 2 * kMargin), std::min(scaled(480), size.y * .8f)},
+                           ImGuiCond_Always);
   ImGui::Begin("Scenes", &uiState.showPicker, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize);
   if (uiState.focusPicker) {
     ImGui::SetKeyboardFocusHere();
@@ -136,18 +205,28 @@ void drawPicker(UiState& uiState, const std::vector<std::string>& scenes) {
     uiState.choice = 0;
   }
   ImGui::SetNextItemWidth(-1);
-  ImGui::InputText("##search", &uiState.search, ImGuiInputTextFlags_AutoSelectAll);
+  ImGui::InputTextWithHint("##search", "a name, or a word of a description", &uiState.search,
+                           ImGuiInputTextFlags_AutoSelectAll);
   if (ImGui::IsItemEdited()) uiState.choice = 0;
-  const std::vector<std::size_t> found = fuzzySearch(uiState.search, scenes);
+  const std::vector<std::size_t> found = sceneChoices(uiState.search, names);
   const int last = static_cast<int>(found.size()) - 1;
   uiState.choice = std::clamp(uiState.choice, 0, std::max(0, last));
-  std::string chosen;
-  ImGui::BeginChild("##list");
-  for (int i = 0; i <= last; ++i)
-    if (ImGui::Selectable(scenes[found[static_cast<std::size_t>(i)]].c_str(), i == uiState.choice))
-      chosen = scenes[found[static_cast<std::size_t>(i)]];
+  std::string chosen, described;
+  ImGui::BeginChild("##list", {scaled(230), 0});
+  std::size_t group = std::size(kGroups) + 1;
+  for (int i = 0; i <= last; ++i) {
+    const std::string& name = names[found[static_cast<std::size_t>(i)]];
+    if (uiState.search.empty() && groupOf(name) != group) {
+      group = groupOf(name);
+      ImGui::TextDisabled("%s", group < std::size(kGroups) ? kGroups[group].second : "Others");
+    }
+    if (ImGui::Selectable(name.c_str(), i == uiState.choice)) chosen = name;
+    if (ImGui::IsItemHovered() || (described.empty() && i == uiState.choice)) described = name;
+  }
   ImGui::EndChild();
-  if (uiState.takeChoice && last >= 0) chosen = scenes[found[static_cast<std::size_t>(uiState.choice)]];
+  ImGui::SameLine();
+  if (!described.empty()) drawDescription(described);
+  if (uiState.takeChoice && last >= 0) chosen = names[found[static_cast<std::size_t>(uiState.choice)]];
   uiState.takeChoice = false;
   ImGui::End();
   if (chosen.empty()) return;
@@ -178,13 +257,13 @@ void drawMarks(const Player& player, const ImVec2& corner, float width) {
 void drawTimeline(UiState& uiState, Session& session) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y - kMargin}, ImGuiCond_Always, {.5f, 1});
-  ImGui::SetNextWindowSize({std::min(size.x - 2 * kMargin, 900.f), 0});
+  ImGui::SetNextWindowSize({std::min(size.x - 2 * kMargin, scaled(900)), 0});
   ImGui::Begin("Timeline", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoFocusOnAppearing);
   auto now = static_cast<int>(session.now());
   const auto last = static_cast<int>(std::max<std::int64_t>(1, session.last()));
   const bool branches = session.live() && session.live()->history().branches().size() > 1;
-  const float width = ImGui::GetContentRegionAvail().x - (branches ? 140.f : 0.f);
+  const float width = ImGui::GetContentRegionAvail().x - (branches ? scaled(140) : 0.f);
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   ImGui::SetNextItemWidth(width);
   if (ImGui::SliderInt("##step", &now, 0, last, "step %d")) session.paused = true, session.seek(now);

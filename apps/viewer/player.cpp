@@ -36,7 +36,8 @@ Player::Player(const SceneOpener& opener, const Request& request, int sides) : r
 
 void Player::measure() {
   const StepReport& report = reports_.front();
-  StepRecord records{now(), report.totalMs, report.stages, 0, 0, 0};
+  StepRecord records;
+  records.step = now(), records.totalMs = report.totalMs, records.stages = report.stages;
   if (measureEnergy) {
     const Quality quality = world().quality();
     records.kinetic = quality.kineticEnergy, records.potential = quality.potentialEnergy;

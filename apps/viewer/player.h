@@ -1,6 +1,7 @@
 #pragma once
 /// A scene that runs in the viewer, or two scenes that are compared, and the inputs to them.
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,8 +35,10 @@ struct StepRecord {
   std::int64_t step = 0;
   double totalMs = 0;
   std::vector<StageTime> stages;
-  double kinetic = 0, potential = 0;  ///< [J]; only with measureEnergy
-  double error = 0;                   ///< largest penetration or gap [m]
+  // NaN unless the step is taken with measureEnergy
+  double kinetic = std::numeric_limits<double>::quiet_NaN();    ///< [J]
+  double potential = std::numeric_limits<double>::quiet_NaN();  ///< [J]
+  double error = std::numeric_limits<double>::quiet_NaN();      ///< largest penetration or gap [m]
 };
 
 class Player final : public Session {

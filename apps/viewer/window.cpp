@@ -1,5 +1,8 @@
 #include "apps/viewer/window.h"
 
+#include <algorithm>
+#include <cstdlib>
+
 #include <imgui/backends/imgui_impl_glfw.h>
 #include <imgui/backends/imgui_impl_opengl3.h>
 #include <imgui/imgui.h>
@@ -39,6 +42,13 @@ PanelContext::PanelContext(GLFWwindow* window) {
   ImGui::StyleColorsLight();
   ImGui::GetStyle().WindowRounding = 6;
   ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = .88f;
+  // of displays with more than 96 dots per inch; RUBBLE_UI_SCALE in its place
+  float scale = 1, other = 1;
+  glfwGetWindowContentScale(window, &scale, &other);
+  if (const char* const given = std::getenv("RUBBLE_UI_SCALE")) scale = std::strtof(given, nullptr);
+  scale = std::clamp(scale, 1.f, 4.f);
+  ImGui::GetStyle().ScaleAllSizes(scale);
+  ImGui::GetIO().FontGlobalScale = scale;
   ImGui_ImplGlfw_InitForOpenGL(window, true);
   ImGui_ImplOpenGL3_Init("#version 410 core");
 }

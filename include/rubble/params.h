@@ -18,8 +18,8 @@ enum class StiffnessPolicy {
   FollowLoad,
 };
 
-/// Parameters of the method. Scenes do not set them: all scenes of a preset share one set. docs/stiffness.md
-/// documents the study behind the values.
+/// Parameters of the method. Scenes do not set them: all scenes of a preset share one set.
+/// docs/research/stiffness.md documents the study behind the values.
 struct Tuning {
   double startStiffness = 3;     ///< K: k_start = K m_row / dt^2 [1]; at most 3
   double tangentStiffness = .2;  ///< k_start of tangential rows over k_start of normal rows [1]

@@ -251,6 +251,12 @@ class Bench(Case):
 
 
 class Check(Case):
+    def test_what_holds_no_scene(self):
+        open(self.path("empty.json"), "w", encoding="utf-8").close()
+        for command in ("check", "run"):
+            self.refused(command, self.path("empty.json"), says="expected a scene, got an empty file")
+        self.refused("check", self.folder.name, says="a folder")
+
     def test_good_files(self):
         for name in sorted(os.listdir(FILES)):
             self.assertIn("good", self.rubble("check", os.path.join(FILES, name)).stdout)

@@ -10,6 +10,7 @@ import unittest
 import xml.etree.ElementTree as xml
 
 from drawing_case import DRAWING, ENVIRONMENT, HAS_GL, DrawingCase
+from png_file import pixels, words
 
 HAS_CAIRO = DRAWING["text"].startswith("Cairo on")
 SVG, XLINK = "{http://www.w3.org/2000/svg}", "{http://www.w3.org/1999/xlink}"
@@ -25,6 +26,48 @@ class Case(DrawingCase):
     def content(self, name):
         with open(self.path(name), "rb") as file:
             return file.read()
+
+
+@unittest.skipUnless(HAS_GL, "built without OpenGL")
+class Layers(Case):
+    """Depths, normals and light of a block of 1 m, from the front and above."""
+    camera = ["--eye", "0,-6,3", "--target", "0,0,0.5", "--steps", "1", "--size", "96x54", "--samples", "1",
+              "-q"]
+
+    def render(self, *arguments):
+        self.rubble("render", self.scene(2), "-o", self.path("p.png"), *self.camera, *arguments)
+
+    def test_depths_of_both_formats_agree(self):
+        self.render("--depth", self.path("d.npy"))
+        self.render("--depth", self.path("d.png"))
+        meters = struct.unpack("<5184f", self.content("d.npy")[128:])
+        millimeters = [number for row in words(self.path("d.png")) for number in row]
+        self.assertEqual(len(millimeters), 96 * 54)
+        for near, number in zip(meters, millimeters):
+            self.assertLessEqual(abs(number - min(65535, 1000 * near)), 1)
+        # the middle of the picture is a point of the block before its center, which is 6.5 m away
+        self.assertTrue(5500 < millimeters[27 * 96 + 48] < 6500)
+
+    def test_normals_are_those_of_the_surfaces(self):
+        self.render("--normals", self.path("n.png"))
+        rows = words(self.path("n.png"))
+        seen = {(48, 33): (0, -1, 0), (48, 21): (0, 0, 1), (5, 45): (0, 0, 1)}
+        for (x, y), wanted in seen.items():
+            for number, expected in zip(rows[y][3 * x:3 * x + 3], wanted):
+                self.assertAlmostEqual(number / 32767 - 1, expected, delta=0.02)
+        self.refused("render", self.scene(2), "-o", self.path("p.png"), "--normals", self.path("n.exr"),
+                     says=".png")
+
+    def test_the_sun_stands_where_it_is_put(self):
+        def ground_beside(*sun):
+            self.render(*sun)
+            row = pixels(self.path("p.png"))[2][36]
+            return sum(row[3 * 28:3 * 36]), sum(row[3 * 60:3 * 68])
+
+        left, right = ground_beside("--sun", "0,25")  # from the right: the shadow lies at the left
+        self.assertLess(1.1 * left, right)
+        left, right = ground_beside("--sun", "180,25")
+        self.assertLess(1.1 * right, left)
 
 
 @unittest.skipUnless(HAS_GL, "built without OpenGL")

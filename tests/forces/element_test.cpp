@@ -273,8 +273,8 @@ TEST(Spring, MultiplierConvergesToHookesLawAtAnyStiffness) {
       c.element.begin(constants(), c.rest);
       for (int i = 0; i < 20; ++i) c.element.updateDual(constants(), c.rest);
     }
-    // what a step forgets of the multiplier it gets back from 1.2 g dt^2 / 20 of error (docs/method.md,
-    // section 7)
+    // what a step forgets of the multiplier it gets back from 1.2 g dt^2 / 20 of error
+    // (docs/research/method.md, section 7)
     EXPECT_NEAR(c.element.lambda, stiffness * c.element.elongation(c.rest), 3e-4 * stiffness);
   }
 }

@@ -1,5 +1,7 @@
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <set>
 
@@ -28,6 +30,81 @@ TEST(Picture, DeformableObjectsKeepKeysOfTheirOwn) {
   // what deforms stands last
   EXPECT_FALSE(bodies[1].deforms);
   for (std::size_t i = 2; i < bodies.size(); ++i) EXPECT_TRUE(bodies[i].deforms);
+}
+
+/// Two wheels on hinges, and a gear between them. The axes are along y.
+Scene gearPair(double radiusA, double radiusB, double angle) {
+  Scene scene;
+  const Vec3 centers[] = {{0, 0, 5},
+                          Vec3{0, 0, 5} + Vec3{std::cos(angle), 0, std::sin(angle)} * (radiusA + radiusB)};
+  for (const int wheel : {0, 1}) {
+    BodyDef& body = scene.bodies.emplace_back();
+    body.shape = Shape::cylinder(wheel == 0 ? radiusA : radiusB, .05);
+    body.position = centers[wheel];
+    body.orientation = fromAxisAngle(Vec3{1, 0, 0}, std::numbers::pi / 2);
+  }
+  for (const int wheel : {0, 1})
+    scene.joints.push_back(
+        jointAt(scene, JointType::Hinge, wheel, kWorld, centers[wheel], frameAlong({0, 1, 0})));
+  scene.joints.push_back(gearBetween(scene, 0, 1, radiusB / radiusA));
+  return scene;
+}
+
+/// The rim of a drawn wheel in the x-z plane of the world, in order around it.
+std::vector<Vec3> rimOf(const PictureBody& wheel) {
+  std::vector<Vec3> rim;
+  const std::vector<Vec3>& points = wheel.shape.geometry->points;
+  for (std::size_t i = 2; i < points.size(); i += 2)
+    rim.push_back(wheel.position + rotate(wheel.orientation, points[i]));
+  return rim;
+}
+
+/// Is a point inside of a polygon in the x-z plane? By the crossings of a ray.
+bool isInside(const std::vector<Vec3>& polygon, const Vec3& p) {
+  bool inside = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Vec3 &a = polygon[i], &b = polygon[j];
+    if ((a.z > p.z) != (b.z > p.z) && p.x < (b.x - a.x) * (p.z - a.z) / (b.z - a.z) + a.x) inside = !inside;
+  }
+  return inside;
+}
+
+TEST(PictureOfMachines, TeethOfGearsMeshAndKeepOutOfOneAnother) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 40; ++round) {
+    const int teethA = std::uniform_int_distribution(10, 30)(random),
+              teethB = std::uniform_int_distribution(teethA, 40)(random);
+    const double angle = std::uniform_real_distribution(0., 6.28)(random);
+    const std::vector<PictureBody> bodies = pictureBodies(World(gearPair(teethA * .01, teethB * .01, angle)));
+    ASSERT_EQ(bodies[0].shape.type, ShapeType::Mesh);
+    const std::vector<Vec3> rims[] = {rimOf(bodies[0]), rimOf(bodies[1])};
+    EXPECT_EQ(rims[0].size() * std::size_t(teethB), rims[1].size() * std::size_t(teethA));
+    double reach = 0;
+    for (const int wheel : {0, 1}) {
+      for (const Vec3& p : rims[wheel])
+        EXPECT_FALSE(isInside(rims[1 - wheel], p)) << teethA << " and " << teethB << " teeth";
+      reach += length(rims[wheel][1] - bodies[std::size_t(wheel)].position);
+    }
+    EXPECT_GT(reach, length(bodies[1].position - bodies[0].position))
+        << "teeth reach between those of the other";
+  }
+}
+
+TEST(PictureOfMachines, StandsAreNoBodies) {
+  Scene scene = gearPair(.2, .3, 0);
+  scene.bodies.emplace_back().shape = Shape::plane();
+  scene.bodies.back().motion = Motion::Static;
+  scene.bodies.back().position = {0, 0, 4};
+  const World world(scene);
+  const std::vector<PictureBody> bodies = pictureBodies(world);
+  // two posts and an axle for each
+  ASSERT_EQ(bodies.size(), 3u + 6u);
+  std::set<std::uint32_t> keys;
+  for (const PictureBody& body : bodies) keys.insert(body.key);
+  EXPECT_EQ(keys.size(), bodies.size());
+  for (std::size_t i = 3; i < bodies.size(); ++i) EXPECT_EQ(bodies[i].motion, Motion::Static);
+  EXPECT_TRUE(hasMachines(world));
+  EXPECT_FALSE(hasMachines(World(Scene{})));
 }
 
 TEST(Picture, PngFilesThatCannotBeWrittenAreErrors) {

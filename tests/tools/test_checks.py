@@ -35,7 +35,7 @@ class CheckTest(unittest.TestCase):
 
 class Help(CheckTest):
     def test_every_check_explains_itself(self):
-        for name in ("abi", "layers", "equations", "links", "sizes", "units", "words"):
+        for name in ("abi", "layers", "equations", "links", "pages", "sizes", "units", "words"):
             result = self.run_check(name, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Checks that", result.stdout)
@@ -192,6 +192,13 @@ class Abi(CheckTest):
 
 
 class Links(CheckTest):
+    def test_paths_in_prose(self):
+        self.plant("src/math/a.h", "")
+        self.plant("docs/a.md", "See `src/math/a.h`, `math/a.h` of src and tests/NAME_test.cpp.\n")
+        self.assert_clean("links")
+        self.plant("docs/b.md", "See `src/math/b.h`.\n")
+        self.assert_finds("links", "docs/b.md:1: names src/math/b.h")
+
     def test_links(self):
         self.plant("docs/a.md", "[b](b.md), [code](../src), [web](https://example.org/x), `[x](y)`\n")
         self.plant("docs/b.md", "\n")
@@ -199,6 +206,17 @@ class Links(CheckTest):
         self.assert_clean("links")
         (self.root / "docs/b.md").unlink()
         self.assert_finds("links", "docs/a.md:1", "b.md")
+
+
+class Pages(CheckTest):
+    def test_finds_long_sentences_and_history(self):
+        self.plant("docs/a.md", "# A\n\n" + "word " * 36 + ".\n\nIt was red until then.\n")
+        self.assert_finds("pages", "docs/a.md:3: a sentence of 36 words", "'was' tells history", "'until then'")
+
+    def test_leaves_code_tables_and_logs_alone(self):
+        self.plant("docs/b.md", "```\nit was " + "word " * 40 + "\n```\n\n| it was |\n\nShort `was` here.\n")
+        self.plant("docs/research/c.md", "It was red.\n")
+        self.assert_clean("pages")
 
 
 if __name__ == "__main__":

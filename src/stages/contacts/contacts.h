@@ -151,7 +151,7 @@ RUBBLE_HD inline Real fastestPoint(const SolverData& s, const Manifold& m, const
 inline constexpr Real kImpactMasses = 100;
 
 /// Largest displacement of the bodies per step under the mass that corresponds to their load, over half the
-/// thickness of the thinner body [1]. The resting penetration is 0.3 of it (docs/method.md).
+/// thickness of the thinner body [1]. The resting penetration is 0.3 of it (docs/research/method.md).
 inline constexpr Real kMostGive = Real(.05);
 
 /// Stiffness per unit of load [1/m]: the mass that a load corresponds to, over dt^2, per newton. A weight
