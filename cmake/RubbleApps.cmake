@@ -1,11 +1,12 @@
 # What stands around the library and is not installed with it: files, scenes and the command line program.
 
-find_package(nlohmann_json REQUIRED)
-if(RUBBLE_APPS OR RUBBLE_TESTS)
-  find_package(fmt REQUIRED)
-  find_package(CLI11 REQUIRED)
+if(NOT CMAKE_CROSSCOMPILING)
+  find_package(nlohmann_json REQUIRED)
+  if(RUBBLE_APPS OR RUBBLE_TESTS)
+    find_package(fmt REQUIRED)
+    find_package(CLI11 REQUIRED)
+  endif()
 endif()
-find_package(ZLIB REQUIRED)
 find_package(PNG)
 find_path(RUBBLE_ZSTD_INCLUDE zstd.h)
 find_library(RUBBLE_ZSTD_LIBRARY zstd)
@@ -24,7 +25,7 @@ rubble_add_library(rubble_scenes scenes)
 rubble_precompile(rubble_scenes)
 
 rubble_add_library(rubble_io io)
-target_link_libraries(rubble_io PUBLIC nlohmann_json::nlohmann_json PRIVATE ZLIB::ZLIB)
+target_link_libraries(rubble_io PUBLIC nlohmann_json::nlohmann_json)
 rubble_precompile(rubble_io <nlohmann/json.hpp>)
 if(PNG_FOUND)
   target_link_libraries(rubble_io PRIVATE PNG::PNG)
@@ -63,7 +64,7 @@ endif()
 
 # Recordings as files of other programs.
 rubble_add_library(rubble_export convert/out)
-target_link_libraries(rubble_export PUBLIC rubble_io PRIVATE ZLIB::ZLIB)
+target_link_libraries(rubble_export PUBLIC rubble_io)
 rubble_precompile(rubble_export <nlohmann/json.hpp>)
 
 include(RubbleRender)

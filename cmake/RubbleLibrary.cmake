@@ -2,7 +2,8 @@
 
 file(GLOB rubble_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/rubble/*.h)
 file(GLOB rubble_host_sources CONFIGURE_DEPENDS
-  ${PROJECT_SOURCE_DIR}/src/world/*.cpp ${PROJECT_SOURCE_DIR}/src/cook/*.cpp ${PROJECT_SOURCE_DIR}/src/forces/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/*.cpp)
+  ${PROJECT_SOURCE_DIR}/src/world/*.cpp ${PROJECT_SOURCE_DIR}/src/cook/*.cpp ${PROJECT_SOURCE_DIR}/src/forces/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/*.cpp
+  ${PROJECT_SOURCE_DIR}/src/platform/*.cpp ${PROJECT_SOURCE_DIR}/src/math/*.cpp)
 file(GLOB rubble_core_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tables/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/cpu/*.cpp)
 file(GLOB rubble_lockstep_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/lockstep/*.cpp)
 file(GLOB rubble_distributed_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/distributed/*.cpp)
@@ -20,7 +21,7 @@ endif()
 add_library(rubble_common INTERFACE)
 target_include_directories(rubble_common INTERFACE
   ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src ${rubble_generated_dir})
-target_link_libraries(rubble_common INTERFACE rubble_warnings rubble_engine_flags TBB::tbb)
+target_link_libraries(rubble_common INTERFACE rubble_warnings rubble_engine_flags rubble_threads)
 
 # An object library whose solver works in `real`; its code lives in namespace rubble::`core`.
 function(rubble_add_core name core real)
@@ -38,7 +39,7 @@ set_target_properties(rubble PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${P
 target_compile_features(rubble PUBLIC cxx_std_20)
 target_include_directories(rubble PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-target_link_libraries(rubble PRIVATE $<BUILD_INTERFACE:rubble_common> TBB::tbb)
+target_link_libraries(rubble PRIVATE $<BUILD_INTERFACE:rubble_common> ${rubble_thread_library})
 
 if(RUBBLE_QHULL_INCLUDE AND RUBBLE_QHULL_LIBRARY)
   target_include_directories(rubble SYSTEM PRIVATE ${RUBBLE_QHULL_INCLUDE})

@@ -38,7 +38,7 @@ if(RUBBLE_NVCC)
 endif()
 
 if(RUBBLE_CHECKS)
-  foreach(script layers equations links sizes units words)
+  foreach(script layers equations links portability sizes units words)
     rubble_add_check(${script} checks ${Python3_EXECUTABLE} tools/check_${script})
   endforeach()
   rubble_add_check(picture_of_the_step checks ${Python3_EXECUTABLE} tools/draw_step --check)

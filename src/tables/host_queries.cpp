@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
+#include "platform/threads.h"
 #include "tables/host_queries.h"
 #include "tables/query_shapes.h"
 #include "tables/shape_edit.h"
@@ -12,7 +11,9 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 template <class Kernel> void forEach(const SolverData& s, const Kernel& kernel, std::size_t n) {
-  tbb::parallel_for(0, static_cast<int>(n), [&](int i) { kernel(s, i); });
+  forEachRange(n, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) kernel(s, static_cast<int>(i));
+  });
 }
 
 /// Fills the grid at the present poses.

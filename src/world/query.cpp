@@ -3,12 +3,11 @@
 #include <atomic>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
 #include <rubble/world.h>
 
 #include "cook/checks.h"
 #include "cook/cook.h"
+#include "platform/threads.h"
 #include "world/world_impl.h"
 
 namespace rubble {
@@ -50,8 +49,8 @@ template <class Hit> Hit hitOf(const Registry& registry, const EngineHit& found)
 /// f(i) for all i < n, in parallel if that pays.
 template <class F> void forEachIndex(std::size_t n, F&& f) {
   constexpr std::size_t kGrain = 2048;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) f(i);
+  forEachRange(n, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) f(i);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <rubble/info.h>
 
 #include "cook/checks.h"
+#include "math/portable.h"
 #include "world/log.h"
 #include "world/world_impl.h"
 
@@ -224,7 +225,7 @@ void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) 
   Quat d = target.orientation * conjugate(s.orientation);
   if (d.s < 0) d = {-d.s, -d.v};
   const double u = length(d.v);
-  s.angularVelocity = u > 0 ? d.v * (2 * std::atan2(u, d.s) / (u * dt)) : Vec3{};
+  s.angularVelocity = u > 0 ? d.v * (2 * portable::atan2(u, d.s) / (u * dt)) : Vec3{};
   impl_->engine->apply(SetBodyState{id.index, s});
   impl_->pass(inputs::SetTarget{id, position, orientation});
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// The executor for oneTBB. Kernels write only elements of their own index, so results do not depend on the
-/// number of threads.
+/// The executor for the threads of a processor. Kernels write only elements of their own index, so results do
+/// not depend on the number of threads.
 #include <algorithm>
 #include <chrono>
 #include <functional>
@@ -9,17 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-#include <tbb/parallel_sort.h>
-#include <tbb/task_arena.h>
-
 #include <rubble/report.h>
 
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
 #include "backend/division.h"
 #include "backend/kernel_observer.h"
+#include "platform/threads.h"
 #include "stages/step.h"
 #include "tables/host_tables.h"
 #include "tables/state_rows.h"
@@ -34,8 +30,7 @@ class CpuExecutor {
   static constexpr int kMaxRounds = 10000;
 
   /// `timings`: measure stage times.
-  explicit CpuExecutor(int threads, bool timings = true)
-      : arena_(threads > 0 ? threads : tbb::task_arena::automatic), timings_(timings) {}
+  explicit CpuExecutor(int threads, bool timings = true) : threads_(threads), timings_(timings) {}
 
   HostTables& tables() { return tables_; }
   const HostTables& tables() const { return tables_; }
@@ -49,8 +44,8 @@ class CpuExecutor {
   /// not depend on it.
   void takeOneByOne() { together_ = false; }
 
-  /// Runs f() in the thread arena of this executor.
-  template <class F> void run(F&& f) { arena_.execute(f); }
+  /// Runs f() on the threads of this executor.
+  template <class F> void run(F&& f) { threads_.run(f); }
 
   template <class Kernel> void forEach(const Kernel& kernel, int n) {
     const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
@@ -113,12 +108,12 @@ class CpuExecutor {
     const int members = s.nodes();
     // a key has nodes of one level only, since levels share no keys
     const auto forEachKey = [&](auto&& f) {
-      const auto level = [&](int l) {
+      const auto level = [&](std::size_t which) {
+        const int l = static_cast<int>(which);
         for (int m = 0; m < members && l * members + m < n; ++m)
           if (const int k = key[l * members + m]; k >= 0) f(k, m);
       };
-      const int levels = members > 0 ? (n + members - 1) / members : 0;
-      tbb::parallel_for(0, levels, level);
+      forEachTask(static_cast<std::size_t>(members > 0 ? (n + members - 1) / members : 0), level);
     };
     std::fill_n(offset, count + 1, 0);
     forEachKey([&](int k, int) { ++offset[k]; });
@@ -181,8 +176,8 @@ class CpuExecutor {
   }
   void order(const std::uint64_t* keys, int* to, int n) {
     std::iota(to, to + n, 0);
-    tbb::parallel_sort(to, to + n,
-                       [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+    sortOnThreads(to, to + n,
+                  [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
   }
   template <class T> void copy(T* to, const T* from, int n) { std::copy_n(from, n, to); }
   /// Releases the scratch memory.
@@ -272,9 +267,8 @@ class CpuExecutor {
   template <class F> void forRange(int n, F&& f) {
     // smaller ranges run serially
     constexpr int kGrain = 64;
-    if (n <= kGrain || arena_.max_concurrency() == 1) return f(0, n);
-    const auto body = [&](const tbb::blocked_range<int>& range) { f(range.begin(), range.end()); };
-    tbb::parallel_for(tbb::blocked_range<int>(0, n, kGrain), body, tbb::static_partitioner{});
+    if (n <= kGrain || threads_.count() == 1) return f(0, n);
+    forEachShare(n, kGrain, f);
   }
 
   struct Release {
@@ -283,7 +277,7 @@ class CpuExecutor {
 
   HostTables tables_;
   std::vector<std::unique_ptr<void, Release>> rooms_;
-  tbb::task_arena arena_;
+  Threads threads_;
   bool timings_;
   bool together_ = true;
   Division* division_ = nullptr;
