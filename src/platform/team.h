@@ -6,6 +6,7 @@
 #include <exception>
 #include <memory>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 namespace rubble {
@@ -23,8 +24,10 @@ class Team {
   /// Calls task(k) for k = 0 .. count - 1 (below 2^32 - 1), each once, in any order and on any thread of the
   /// team, and returns when all are done. The first exception of a task is thrown again then. A loop inside
   /// of a task, or one while another thread runs a loop, runs on the calling thread alone.
-  template <class Task> void run(std::size_t count, Task& task) {
-    const Call call = [](void* context, std::size_t k) { (*static_cast<Task*>(context))(k); };
+  template <class Task> void run(std::size_t count, Task&& task) {
+    const Call call = [](void* context, std::size_t k) {
+      (*static_cast<std::remove_reference_t<Task>*>(context))(k);
+    };
     run(count, call, const_cast<void*>(static_cast<const void*>(std::addressof(task))));
   }
 

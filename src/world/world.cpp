@@ -14,7 +14,9 @@ namespace rubble {
 
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings);
+#if defined(RUBBLE_HAS_REFERENCE)
   if (options.backend == "reference") return f64::makeCpuEngine(options.threads, options.timings);
+#endif
   if (options.backend == "distributed")
     return f32::makeDistributedEngine(options.ranks, options.threads, options.timings);
   if (options.backend == "lockstep")
@@ -47,7 +49,11 @@ void validate(const WorldOptions& options) {
 }
 
 std::vector<std::string> backends() {
+#if defined(RUBBLE_HAS_REFERENCE)
   std::vector<std::string> names = {"cpu", "reference", "distributed", "lockstep"};
+#else
+  std::vector<std::string> names = {"cpu", "distributed", "lockstep"};
+#endif
   if (cudaReady()) names.insert(names.end(), {"cuda", "lockstep-cuda"});
   return names;
 }
