@@ -1,12 +1,13 @@
 # What stands around the library: files, which are installed with it as rubble::io and rubble::convert, scenes and the command line
 # program.
 
-find_package(nlohmann_json REQUIRED)
-if(RUBBLE_APPS OR RUBBLE_TESTS)
-  find_package(fmt REQUIRED)
-  find_package(CLI11 REQUIRED)
+if(NOT CMAKE_CROSSCOMPILING)
+  find_package(nlohmann_json REQUIRED)
+  if(RUBBLE_APPS OR RUBBLE_TESTS)
+    find_package(fmt REQUIRED)
+    find_package(CLI11 REQUIRED)
+  endif()
 endif()
-find_package(ZLIB REQUIRED)
 find_package(PNG)
 find_path(RUBBLE_ZSTD_INCLUDE zstd.h)
 find_library(RUBBLE_ZSTD_LIBRARY zstd)
@@ -28,7 +29,7 @@ rubble_compile_quickly(rubble_scenes)
 rubble_precompile(rubble_scenes)
 
 rubble_add_library(rubble_io io)
-target_link_libraries(rubble_io PUBLIC nlohmann_json::nlohmann_json PRIVATE ZLIB::ZLIB)
+target_link_libraries(rubble_io PUBLIC nlohmann_json::nlohmann_json)
 rubble_precompile(rubble_io <nlohmann/json.hpp>)
 if(PNG_FOUND)
   target_link_libraries(rubble_io PRIVATE PNG::PNG)
@@ -68,7 +69,7 @@ endif()
 
 # Recordings as files of other programs.
 rubble_add_library(rubble_export convert/out)
-target_link_libraries(rubble_export PUBLIC rubble_io PRIVATE ZLIB::ZLIB)
+target_link_libraries(rubble_export PUBLIC rubble_io)
 rubble_precompile(rubble_export <nlohmann/json.hpp>)
 
 include(RubbleRender)

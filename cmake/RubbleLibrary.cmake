@@ -2,7 +2,8 @@
 
 file(GLOB rubble_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/rubble/*.h)
 file(GLOB rubble_host_sources CONFIGURE_DEPENDS
-  ${PROJECT_SOURCE_DIR}/src/world/*.cpp ${PROJECT_SOURCE_DIR}/src/cook/*.cpp ${PROJECT_SOURCE_DIR}/src/forces/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/*.cpp)
+  ${PROJECT_SOURCE_DIR}/src/world/*.cpp ${PROJECT_SOURCE_DIR}/src/cook/*.cpp ${PROJECT_SOURCE_DIR}/src/forces/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/*.cpp
+  ${PROJECT_SOURCE_DIR}/src/platform/*.cpp ${PROJECT_SOURCE_DIR}/src/math/*.cpp)
 file(GLOB rubble_core_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tables/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/cpu/*.cpp)
 file(GLOB rubble_lockstep_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/lockstep/*.cpp)
 file(GLOB rubble_distributed_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/distributed/*.cpp)
@@ -20,7 +21,10 @@ endif()
 add_library(rubble_common INTERFACE)
 target_include_directories(rubble_common INTERFACE
   ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src ${rubble_generated_dir})
-target_link_libraries(rubble_common INTERFACE rubble_warnings rubble_engine_flags TBB::tbb)
+target_link_libraries(rubble_common INTERFACE rubble_warnings rubble_engine_flags rubble_threads)
+if(RUBBLE_REFERENCE)
+  target_compile_definitions(rubble_common INTERFACE RUBBLE_HAS_REFERENCE=1)
+endif()
 
 # An object library whose solver works in `real`; its code lives in namespace rubble::`core`.
 function(rubble_add_core name core real)
@@ -38,7 +42,7 @@ set_target_properties(rubble PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${P
 target_compile_features(rubble PUBLIC cxx_std_20)
 target_include_directories(rubble PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-target_link_libraries(rubble PRIVATE $<BUILD_INTERFACE:rubble_common> TBB::tbb)
+target_link_libraries(rubble PRIVATE $<BUILD_INTERFACE:rubble_common> ${rubble_thread_library})
 
 if(RUBBLE_QHULL_INCLUDE AND RUBBLE_QHULL_LIBRARY)
   target_include_directories(rubble SYSTEM PRIVATE ${RUBBLE_QHULL_INCLUDE})
@@ -48,10 +52,11 @@ endif()
 
 if(rubble_core_sources)
   rubble_add_core(rubble_core_f32 f32 float ${rubble_core_sources})
-  rubble_add_core(rubble_core_f64 f64 double ${rubble_core_sources})
-  foreach(core rubble_core_f32 rubble_core_f64)
-    rubble_precompile(${core})
-  endforeach()
+  rubble_precompile(rubble_core_f32)
+  if(RUBBLE_REFERENCE)
+    rubble_add_core(rubble_core_f64 f64 double ${rubble_core_sources})
+    rubble_precompile(rubble_core_f64)
+  endif()
 endif()
 if(rubble_lockstep_sources)
   rubble_add_core(rubble_lockstep f32 float ${rubble_lockstep_sources})

@@ -42,6 +42,8 @@ function(rubble_compile_quickly target)
 endfunction()
 
 add_library(rubble_warnings INTERFACE)
+# No build contracts products and sums, or results would depend on the processor.
+target_compile_options(rubble_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)
 # -Wno-psabi: lanes are wider than a baseline register, and no function that takes them by value is called from elsewhere.
 target_compile_options(rubble_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wconversion -Wno-psabi>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION MATCHES "^12\\.")

@@ -4,8 +4,6 @@
 #include <cerrno>
 #include <cstring>
 
-#include <zlib.h>
-
 #if defined(RUBBLE_HAS_ZSTD)
 #include <zstd.h>
 #endif
@@ -13,6 +11,7 @@
 #include <rubble/error.h>
 
 #include "io/byte_stream.h"
+#include "io/crc32.h"
 
 namespace rubble::io {
 namespace {
@@ -24,10 +23,6 @@ enum class Codec : std::uint32_t { None = 0, Zstd = 1 };
 constexpr std::size_t kHeadSize = 24;
 /// No chunk is larger; a size beyond is a sign of damage.
 constexpr std::uint32_t kLargestContent = 1u << 30;
-
-std::uint32_t checksum(const std::uint8_t* bytes, std::size_t count) {
-  return static_cast<std::uint32_t>(crc32_z(0, bytes, count));
-}
 
 #if defined(RUBBLE_HAS_ZSTD)
 /// Fast enough to keep up with a run; higher levels gain little on trajectories.
@@ -89,8 +84,8 @@ std::uint64_t ChunkWriter::write(std::uint32_t name, const Bytes& content) {
   head.put(static_cast<std::uint32_t>(codec));
   head.put(static_cast<std::uint32_t>(stored.size()));
   head.put(static_cast<std::uint32_t>(content.size()));
-  head.put(checksum(stored.data(), stored.size()));
-  head.put(checksum(head.bytes().data(), head.bytes().size()));
+  head.put(crc32(stored.data(), stored.size()));
+  head.put(crc32(head.bytes().data(), head.bytes().size()));
   const std::uint64_t offset = offset_;
   out_.write(reinterpret_cast<const char*>(head.bytes().data()), static_cast<std::streamsize>(kHeadSize));
   out_.write(reinterpret_cast<const char*>(stored.data()), static_cast<std::streamsize>(stored.size()));
@@ -155,7 +150,7 @@ std::optional<Chunk> ChunkReader::read(std::uint64_t offset) {
   const auto head = fullHead(offset);
   if (!head) return std::nullopt;
   Bytes stored = readRaw(offset + kHeadSize, head->storedSize);
-  if (checksum(stored.data(), stored.size()) != head->checksum)
+  if (crc32(stored.data(), stored.size()) != head->checksum)
     fail(offset + kHeadSize, "the content of a chunk", "a wrong checksum");
   Chunk chunk{offset, head->name, {}};
   if (head->codec == Codec::None) {

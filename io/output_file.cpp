@@ -15,6 +15,8 @@
 
 #include <rubble/error.h>
 
+#include "platform/system.h"
+
 namespace rubble::io {
 namespace {
 
@@ -24,7 +26,7 @@ constexpr const char* kWritable = "a file that can be written";
 
 /// May it be written, without a change to it?
 bool isWritable(const fs::path& file) {
-  std::FILE* const out = std::fopen(file.c_str(), "ab");
+  std::FILE* const out = platform::openFile(file, "ab");
   return out && std::fclose(out) == 0;
 }
 
@@ -33,11 +35,7 @@ fs::path freshFile(const fs::path& folder, const std::string& ending) {
   std::random_device random;
   for (int tries = 0; tries < 100; ++tries) {
     fs::path path = folder / (".rubble-" + std::to_string(random()) + ending);
-    // x: fails if it is there
-    if (std::FILE* const out = std::fopen(path.c_str(), "wbx")) {
-      std::fclose(out);
-      return path;
-    }
+    if (platform::createFile(path)) return path;
     if (errno != EEXIST) break;
   }
   return {};

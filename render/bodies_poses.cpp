@@ -2,12 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include <rubble/error.h>
 
+#include "platform/threads.h"
 #include "render/bodies.h"
 
 namespace rubble::render {
@@ -42,27 +39,25 @@ void Bodies::setPoses(std::span<const Pose> poses) {
   const std::size_t slots = bodyInSlot_.size() + surfaceLooks_.size();
   if (slots == 0) return;
   for (const std::uint32_t slot : planes_) poses_[slot] = poses[static_cast<std::size_t>(bodyInSlot_[slot])];
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, chunks_.size(), 64),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t c = range.begin(); c < range.end(); ++c) {
-          Chunk& chunk = chunks_[c];
-          chunk.bounds = {};
-          const std::size_t end = chunk.firstSlot + chunkBodies(chunk.geometry);
-          for (std::size_t slot = chunk.firstSlot; slot < end; ++slot) {
-            if (bodyInSlot_[slot] < 0) continue;
-            const Pose& pose = poses[static_cast<std::size_t>(bodyInSlot_[slot])];
-            if (!finite(pose)) {
-              poses_[slot] = kNoPose;
-              continue;
-            }
-            poses_[slot] = pose;
-            const Vec3f center{pose.x, pose.y, pose.z}, room{radii_[slot], radii_[slot], radii_[slot]};
-            chunk.bounds.add(center - room);
-            chunk.bounds.add(center + room);
-          }
+  forEachRange(chunks_.size(), 64, [&](std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c) {
+      Chunk& chunk = chunks_[c];
+      chunk.bounds = {};
+      const std::size_t end = chunk.firstSlot + chunkBodies(chunk.geometry);
+      for (std::size_t slot = chunk.firstSlot; slot < end; ++slot) {
+        if (bodyInSlot_[slot] < 0) continue;
+        const Pose& pose = poses[static_cast<std::size_t>(bodyInSlot_[slot])];
+        if (!finite(pose)) {
+          poses_[slot] = kNoPose;
+          continue;
         }
-      });
+        poses_[slot] = pose;
+        const Vec3f center{pose.x, pose.y, pose.z}, room{radii_[slot], radii_[slot], radii_[slot]};
+        chunk.bounds.add(center - room);
+        chunk.bounds.add(center + room);
+      }
+    }
+  });
   auto* out = static_cast<Pose*>(poseTable_.buffer().map(slots * sizeof(Pose)));
   std::copy(poses_.begin(), poses_.end(), out);
   std::fill(out + poses_.size(), out + slots, Pose{});
@@ -119,8 +114,8 @@ void Bodies::updateCore() {
 void Bodies::setCore(std::vector<float> (&lows)[3], std::vector<float> (&highs)[3]) {
   core_ = {};
   if (lows[0].empty()) return;
-  tbb::parallel_for(0, 6, [&](int i) {
-    const int axis = i / 2;
+  forEachTask(6, [&](std::size_t i) {
+    const std::size_t axis = i / 2;
     float unused = 0;
     if (i % 2 == 0)
       coreOf(lows[axis], core_.low[axis], unused);
@@ -130,16 +125,10 @@ void Bodies::setCore(std::vector<float> (&lows)[3], std::vector<float> (&highs)[
 }
 
 float Bodies::nearestTo(const Vec3f& point, const std::vector<HalfSpace>& visible) const {
-  using Range = tbb::blocked_range<std::size_t>;
-  const auto nearestIn = [&](const Range& range, float nearest) {
-    for (std::size_t c = range.begin(); c < range.end(); ++c) {
-      const Bounds& bounds = chunks_[c].bounds;
-      if (!bounds.empty() && touches(bounds, visible)) nearest = std::min(nearest, distanceTo(bounds, point));
-    }
-    return nearest;
-  };
-  float nearest = tbb::parallel_reduce(Range(0, chunks_.size(), 1024), 1e30f, nearestIn,
-                                       [](float a, float b) { return std::min(a, b); });
+  float nearest = 1e30f;
+  for (const Chunk& chunk : chunks_)
+    if (!chunk.bounds.empty() && touches(chunk.bounds, visible))
+      nearest = std::min(nearest, distanceTo(chunk.bounds, point));
   for (const std::uint32_t slot : planes_) {
     const Pose& p = poses_[slot];
     const Vec3f normal = rotate(QuatT<float>{p.qs, p.qx, p.qy, p.qz}, Vec3f{0, 0, 1});

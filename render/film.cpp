@@ -1,24 +1,13 @@
 #include "render/film.h"
 
-#include <cerrno>
-#include <csignal>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <regex>
 #include <vector>
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <rubble/error.h>
 
 #include "io/output_file.h"
-
-extern char** environ;
+#include "platform/program.h"
 
 namespace rubble::render {
 namespace {
@@ -74,69 +63,33 @@ std::vector<std::string> ffmpegArguments(const std::string& file, int width, int
 class Film final : public PictureSink {
  public:
   Film(std::string file, const std::string& program, int width, int height, double fps)
-      : file_(std::move(file)), name_(file_), width_(width), height_(height) {
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(file_, "a pipe to ffmpeg", std::strerror(errno));
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-    std::vector<std::string> arguments = ffmpegArguments(name_.path(), width, height, fps);
-    std::vector<char*> raw;
-    for (std::string& argument : arguments) raw.push_back(argument.data());
-    raw.push_back(nullptr);
-    const int failed = posix_spawn(&child_, program.c_str(), &actions, nullptr, raw.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    close(ends[0]);
-    pipe_ = ends[1];
-    if (failed != 0) throw Error(program, "a program that starts", std::strerror(failed));
-  }
-
-  ~Film() override { wait(); }
+      : file_(std::move(file)),
+        name_(file_),
+        width_(width),
+        height_(height),
+        program_(program, ffmpegArguments(name_.path(), width, height, fps)) {}
 
   void put(const io::Image& image) override {
     if (image.width != width_ || image.height != height_)
       throw Error(file_, "pictures of one size",
                   std::to_string(image.width) + "x" + std::to_string(image.height));
-    // Without this a broken pipe would end this program.
-    const auto before = std::signal(SIGPIPE, SIG_IGN);
-    std::size_t sent = 0;
-    while (sent < image.rgb.size()) {
-      const ssize_t now = write(pipe_, image.rgb.data() + sent, image.rgb.size() - sent);
-      if (now < 0 && errno == EINTR) continue;
-      if (now <= 0) break;
-      sent += static_cast<std::size_t>(now);
-    }
-    std::signal(SIGPIPE, before);
-    if (sent < image.rgb.size()) throw Error(file_, "a film that ffmpeg can write", failure());
+    if (!program_.write(image.rgb.data(), image.rgb.size())) fail();
   }
 
   void finish() override {
-    const int status = wait();
-    if (status != 0)
-      throw Error(file_, "a film that ffmpeg can write", "its exit status " + std::to_string(status));
+    if (program_.wait() != 0) fail();
     name_.keep();
   }
 
  private:
-  std::string failure() { return "its exit status " + std::to_string(wait()); }
-
-  /// Closes the film and gives the exit status of the program.
-  int wait() {
-    if (child_ <= 0) return status_;
-    close(pipe_);
-    int raw = 0;
-    while (waitpid(child_, &raw, 0) < 0 && errno == EINTR) {
-    }
-    child_ = 0;
-    return status_ = WIFEXITED(raw) ? WEXITSTATUS(raw) : 128 + WTERMSIG(raw);
+  [[noreturn]] void fail() {
+    throw Error(file_, "a film that ffmpeg can write", "its exit status " + std::to_string(program_.wait()));
   }
 
   std::string file_;
   io::NewFile name_;
   int width_, height_;
-  pid_t child_ = 0;
-  int pipe_ = -1;
-  int status_ = 0;
+  platform::Program program_;
 };
 
 /// The last picture alone, through `program` unless that is "".
@@ -181,17 +134,7 @@ bool isFilm(const std::string& file) {
   return extension != ".png" && extension != ".jpg";
 }
 
-std::string ffmpegProgram() {
-  const char* path = std::getenv("PATH");
-  std::string folders = path ? path : "";
-  while (!folders.empty()) {
-    const std::size_t end = folders.find(':');
-    const fs::path candidate = fs::path(folders.substr(0, end)) / "ffmpeg";
-    if (access(candidate.c_str(), X_OK) == 0) return candidate.string();
-    folders = end == std::string::npos ? "" : folders.substr(end + 1);
-  }
-  return "";
-}
+std::string ffmpegProgram() { return platform::findProgram("ffmpeg"); }
 
 std::unique_ptr<PictureSink> pictureFile(const std::string& file) {
   if (isFilm(file)) throw Error(file, "the name of a .png or .jpg file for a picture", "another");

@@ -2,10 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include "io/picture_poses.h"
+#include "platform/threads.h"
 #include "render/stage.h"
 
 namespace rubble::render {
@@ -91,11 +89,9 @@ void Stage::follow(World& world) {
     posesFrom_ = "copied to the host (" + f.why + ")";
   }
   poses_.resize(f.sources.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, poses_.size(), 4096),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i < range.end(); ++i)
-                        poses_[i] = poseOf(f.sources[i], arrays);
-                    });
+  forEachRange(poses_.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) poses_[i] = poseOf(f.sources[i], arrays);
+  });
   renderer_.bodies().setPoses(poses_);
 }
 

@@ -4,6 +4,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "motion_probes.h"
 #include "probes.h"
 
@@ -29,7 +30,7 @@ Scene buildProjectile(const Arguments& arguments) {
   const double angle = value(arguments, "angle") * std::numbers::pi / 180;
   Scene scene = emptyScene(kUpZ, 9.81);
   BodyDef cube = named("cube", block(kHalfCube, {0, 0, .5}, 1000));
-  cube.velocity = value(arguments, "speed") * Vec3{std::cos(angle), 0, std::sin(angle)};
+  cube.velocity = value(arguments, "speed") * Vec3{portable::cos(angle), 0, portable::sin(angle)};
   cube.angularVelocity = {0, 3, 0};
   scene.bodies.push_back(cube);
   return scene;
@@ -107,7 +108,8 @@ Scene buildPendulum(const Arguments& arguments) {
   const double angle = value(arguments, "angle") * std::numbers::pi / 180;
   Scene scene = emptyScene(kUpY, 9.81);
   BodyDef rod = named(
-      "rod", block(kHalfRod, {kHalfRod.y * std::sin(angle), -kHalfRod.y * std::cos(angle), 0}, 1000));
+      "rod",
+      block(kHalfRod, {kHalfRod.y * portable::sin(angle), -kHalfRod.y * portable::cos(angle), 0}, 1000));
   rod.orientation = fromAxisAngle(Vec3{0, 0, 1}, angle);
   scene.bodies.push_back(rod);
   scene.joints.push_back(ballJoint(kWorld, {}, 0, {0, kHalfRod.y, 0}, "pivot"));

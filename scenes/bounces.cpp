@@ -3,6 +3,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "probe_parts.h"
 #include "probes.h"
 
@@ -101,7 +102,7 @@ Scene buildCradle(const Arguments& arguments) {
     BodyDef ball;
     ball.name = "ball" + std::to_string(i);
     ball.shape = Shape::sphere(kBall);
-    ball.position = {x - kRod * std::sin(angle), 0, -kRod * std::cos(angle)};
+    ball.position = {x - kRod * portable::sin(angle), 0, -kRod * portable::cos(angle)};
     ball.material = {0, 0, value(arguments, "restitution")};
     scene.bodies.push_back(ball);
     JointDef rod;
@@ -117,8 +118,8 @@ Scene buildCradle(const Arguments& arguments) {
 class CradleProbe final : public Probe {
  public:
   CradleProbe(int balls, int raised, double angle)
-      : balls_(balls), raised_(raised), way_(kRod * std::sin(angle)) {
-    speed_ = std::sqrt(2 * kGravity * kRod * (1 - std::cos(angle)));
+      : balls_(balls), raised_(raised), way_(kRod * portable::sin(angle)) {
+    speed_ = std::sqrt(2 * kGravity * kRod * (1 - portable::cos(angle)));
   }
   void afterStep(const World& world, const StepReport&) override {
     const BodyState last = world.state(world.bodyAt(balls_ - 1));

@@ -1,4 +1,5 @@
 #include "character.h"
+#include "math/portable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,7 @@ struct Character::Moving {
     query.filter.ignore = body;
     return world.castShapes({&query, 1}).front();
   }
-  bool walkable(const Vec3& normal) const { return dot(normal, up) >= std::cos(settings.maxSlope); }
+  bool walkable(const Vec3& normal) const { return dot(normal, up) >= portable::cos(settings.maxSlope); }
   /// Is it something to stand on? At the edge of a step the surface beside the edge counts.
   bool carries(const CastHit& hit) const {
     if (!hit.hit || walkable(hit.normal)) return hit.hit;

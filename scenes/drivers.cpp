@@ -6,6 +6,7 @@
 #include "character.h"
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 #include "vehicle.h"
 
 namespace rubble::scenes {
@@ -27,8 +28,8 @@ Scene buildCharacter(const Arguments&) {
     block({4 + kTread * k, -1.5, 0}, {kDeck, 1.5, kStep * (k + 1)}, "step" + std::to_string(k));
   const double height = kStep * kStairs;
   block({kDeck, -1.5, 0}, {kRampStart, 1.5, height}, "deck");
-  const double slope = std::atan2(height, kRampEnd - kRampStart),
-               slant = std::hypot(height, kRampEnd - kRampStart);
+  const double slope = portable::atan2(height, kRampEnd - kRampStart),
+               slant = portable::hypot(height, kRampEnd - kRampStart);
   BodyDef ramp = held(box({slant / 2, 1.5, .1}, {}, 1));
   ramp.orientation = fromAxisAngle(Vec3{0, 1, 0}, slope);
   ramp.position = Vec3{(kRampStart + kRampEnd) / 2, 0, height / 2} - rotate(ramp.orientation, kZ * .1);
@@ -74,7 +75,7 @@ Probes characterProbes(const Arguments&, const Scene&) {
 /// A vehicle that follows a circle on hills.
 constexpr int kSamples = 61;
 constexpr double kSpacing = 2, kHalf = (kSamples - 1) * kSpacing / 2, kCircle = 35, kSpeed = 9, kMass = 1200;
-double hill(double x, double y) { return 1.5 * std::sin(x / 9) * std::cos(y / 11); }
+double hill(double x, double y) { return 1.5 * portable::sin(x / 9) * portable::cos(y / 11); }
 Scene buildVehicle(const Arguments&) {
   Scene scene = emptyScene(kUpZ, kG);
   std::vector<double> heights;
@@ -114,30 +115,33 @@ Drive vehicleDriver(const Arguments&, const Scene&) {
     }
     const BodyState state = world.state(chassis);
     // towards a point of the circle ahead
-    const double angle = std::atan2(state.position.y, state.position.x) + 8 / kCircle;
+    const double angle = portable::atan2(state.position.y, state.position.x) + 8 / kCircle;
     const Vec3 ahead = rotateInverse(
         state.orientation,
-        Vec3{kCircle * std::cos(angle), kCircle * std::sin(angle), state.position.z} - state.position);
+        Vec3{kCircle * portable::cos(angle), kCircle * portable::sin(angle), state.position.z} -
+            state.position);
     const double speed = dot(state.velocity, rotate(state.orientation, Vec3{1, 0, 0}));
     Controls controls;
-    controls.steering = std::clamp(std::atan2(ahead.y, ahead.x), -.5, .5);
+    controls.steering = std::clamp(portable::atan2(ahead.y, ahead.x), -.5, .5);
     controls.force = std::clamp(3000 * (kSpeed - speed), -4000., 4000.);
     RaycastVehicle(chassis, wheels, shown).drive(world, controls);
   };
 }
 Probes vehicleProbes(const Arguments&, const Scene&) {
   Probes probes;
-  probes.push_back(everyStep([way = 0.](const World& world, const StepReport& report,
-                                        Metrics& metrics) mutable {
-    const BodyState chassis = bodyOf(world, "chassis");
-    way += length(chassis.velocity) * world.params().dt;
-    metrics["travel_m"] = way;
-    raise(metrics, "tilt_peak_deg", std::acos(std::min(1.0, rotate(chassis.orientation, kZ).z)) / kDegree);
-    if (world.time() > 3)
-      raise(metrics, "off_track_m", std::fabs(std::hypot(chassis.position.x, chassis.position.y) - kCircle));
-    raise(metrics, "chassis_contacts", report.contacts);
-    metrics["speed_ratio"] = length(chassis.velocity) / kSpeed;
-  }));
+  probes.push_back(
+      everyStep([way = 0.](const World& world, const StepReport& report, Metrics& metrics) mutable {
+        const BodyState chassis = bodyOf(world, "chassis");
+        way += length(chassis.velocity) * world.params().dt;
+        metrics["travel_m"] = way;
+        raise(metrics, "tilt_peak_deg",
+              portable::acos(std::min(1.0, rotate(chassis.orientation, kZ).z)) / kDegree);
+        if (world.time() > 3)
+          raise(metrics, "off_track_m",
+                std::fabs(portable::hypot(chassis.position.x, chassis.position.y) - kCircle));
+        raise(metrics, "chassis_contacts", report.contacts);
+        metrics["speed_ratio"] = length(chassis.velocity) / kSpeed;
+      }));
   return probes;
 }
 

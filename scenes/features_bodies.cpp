@@ -4,6 +4,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "probe_parts.h"
 #include "probes.h"
 
@@ -29,8 +30,8 @@ class DampingProbe final : public BodyProbe {
   explicit DampingProbe(const BodyDef& def) : BodyProbe(def.name), def_(def) {}
   void afterStep(const World& world, const StepReport&) override {
     const BodyState now = state(world);
-    const double v = std::exp(-def_.linearDamping * world.time()),
-                 w = std::exp(-def_.angularDamping * world.time());
+    const double v = portable::exp(-def_.linearDamping * world.time()),
+                 w = portable::exp(-def_.angularDamping * world.time());
     error_ = std::max(
         {error_, length(now.velocity - v * def_.velocity) / length(def_.velocity),
          length(now.angularVelocity - w * def_.angularVelocity) / length(def_.angularVelocity)});

@@ -5,6 +5,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "motion_probes.h"
 #include "probe_parts.h"
 
@@ -17,7 +18,7 @@ constexpr double kAway = 11.7;        // of the bullet at the start [m]
 
 Scene build(const Arguments& arguments) {
   const double angle = value(arguments, "angle") * std::numbers::pi / 180;
-  const Vec3 direction{std::sin(angle), 0, -std::cos(angle)};
+  const Vec3 direction{portable::sin(angle), 0, -portable::cos(angle)};
   Scene scene = emptyScene(kUpZ, 0);
   BodyDef plate = block(kHalfPlate, {}, 7800);
   plate.name = "plate";

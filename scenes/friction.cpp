@@ -8,6 +8,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "motion_probes.h"
 #include "probes.h"
 
@@ -68,13 +69,13 @@ Scene buildRamp(const Arguments& arguments) {
   const double angle = value(arguments, "angle") * std::numbers::pi / 180;
   const double mu = value(arguments, "mu");
   const Quat tilt = fromAxisAngle(Vec3{0, 1, 0}, angle);
-  const Vec3 middle{0, 0, kRampHalf.x * std::sin(angle) + 1};
+  const Vec3 middle{0, 0, kRampHalf.x * portable::sin(angle) + 1};
   Scene scene = emptyScene(kUpZ, 10);
   BodyDef ramp = slab(kRampHalf, middle, mu);
   ramp.orientation = tilt;
   scene.bodies.push_back(ramp);
   for (std::size_t i = 0; i < kRampRatios.size(); ++i) {
-    const double pair = kRampRatios[i] * std::tan(angle);
+    const double pair = kRampRatios[i] * portable::tan(angle);
     const double own = pair * pair / mu;
     BodyDef box = block({.5, .5, .5},
                         middle + rotate(tilt, {kRampStart, 2.0 * double(i) - double(kRampRatios.size() - 1),

@@ -8,6 +8,7 @@
 #include "build.h"
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 
 namespace rubble::scenes {
 namespace {
@@ -26,7 +27,7 @@ constexpr double kSpringLength = 2;
 /// w.
 double stickSlipPeriod() {
   const double d = (kStatic - kDynamic) * kG / kSpring, w = std::sqrt(kSpring);
-  return 2 * d / kDrawing + 2 / w * (std::numbers::pi - std::atan(d * w / kDrawing));
+  return 2 * d / kDrawing + 2 / w * (std::numbers::pi - portable::atan(d * w / kDrawing));
 }
 
 Scene buildStickSlip(const Arguments& arguments) {
@@ -153,7 +154,8 @@ Scene buildTipping(const Arguments& arguments) {
     for (std::size_t k = 0; k < 2 * kYaws.size(); ++k) {
       const auto& [kind, cone, half] = kStanding[i];
       const double center = cone ? half / 2 : half, yaw = kYaws[k / 2];
-      const Quat tilt = fromAxisAngle(Vec3{0, 1, 0}, std::atan(kRadius / center) + (k % 2 == 0 ? -off : off));
+      const Quat tilt = fromAxisAngle(Vec3{0, 1, 0},
+                                      portable::atan(kRadius / center) + (k % 2 == 0 ? -off : off));
       const Vec3 at{6. * double(i), 6. * double(k), 6};
       put(scene, held(box({1, 1, .2}, at - rotate(tilt, {0, 0, .2}), 1)),
           "slope_" + std::to_string(k) + kind);
@@ -176,7 +178,7 @@ Probes tippingProbes(const Arguments&, const Scene& scene) {
       if (body.motion != Motion::Dynamic) continue;
       const Vec3 up = rotate(world.state(world.bodyAt(int(i))).orientation, kUpZ),
                  before = rotate(body.orientation, kUpZ);
-      const bool tipped = dot(up, before) < std::cos(10 * std::numbers::pi / 180);
+      const bool tipped = dot(up, before) < portable::cos(10 * std::numbers::pi / 180);
       wrong += tipped != (body.name[0] == 't');
     }
     metrics["tips_wrong"] = wrong;

@@ -4,6 +4,7 @@
 
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 
 namespace rubble::scenes {
 namespace {
@@ -136,7 +137,7 @@ constexpr int kRelease = 58;
 Scene buildTrebuchet(const Arguments&) {
   Scene scene = emptyScene(kUpZ, kG);
   put(scene, ground(kUpZ, 0, .6));
-  const double tilt = .8, c = std::cos(tilt), s = std::sin(tilt);
+  const double tilt = .8, c = portable::cos(tilt), s = portable::sin(tilt);
   // long arm down at -x, short arm up at +x
   const Vec3 pivot{0, 0, kPivot}, tip = pivot + kLong * Vec3{-c, 0, -s},
                                   root = pivot + kShort * Vec3{c, 0, s};

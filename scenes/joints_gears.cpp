@@ -5,6 +5,7 @@
 
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 
 namespace rubble::scenes {
 namespace {
@@ -41,7 +42,7 @@ Scene buildPlanetary(const Arguments&) {
   for (int i = 0; i < kBlocks; ++i) {
     const double angle = 2 * kPi * i / kBlocks, radius = kRing * kTooth + .04;
     blocks.push_back({Shape::box({.085, .06, .03}),
-                      {radius * std::sin(angle), 0, radius * std::cos(angle)},
+                      {radius * portable::sin(angle), 0, radius * portable::cos(angle)},
                       fromAxisAngle(kY, angle)});
   }
   BodyDef frame;
@@ -53,7 +54,7 @@ Scene buildPlanetary(const Arguments&) {
   for (int i = 0; i < kPlanets; ++i) {
     const double angle = 2 * kPi * i / kPlanets, radius = (kSun + kPlanet) * kTooth;
     const std::string number = std::to_string(i);
-    const Vec3 place{radius * std::sin(angle), 0, radius * std::cos(angle)};
+    const Vec3 place{radius * portable::sin(angle), 0, radius * portable::cos(angle)};
     const int planet = put(scene, disc(kPlanet * kTooth, .06, place, kY, 3), "planet" + number);
     join(scene, JointType::Hinge, planet, arm, place, kY, "pin" + number);
     gear(scene, sun, planet, arm, kPlanet / kSun, "sun mesh" + number);

@@ -4,6 +4,7 @@
 
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 
 namespace rubble::scenes {
 namespace {
@@ -27,8 +28,8 @@ Scene buildCrank(const Arguments&) {
 Probes crankProbes(const Arguments&, const Scene&) {
   Probes probes;
   probes.push_back(everyStep([](const World& world, const StepReport&, Metrics& metrics) {
-    const double angle = jointOf(world, "drive").axes[0].position, side = kCrank * std::sin(angle);
-    const double x = kCrank * std::cos(angle) + std::sqrt(kRod * kRod - side * side) - kCrank - kRod;
+    const double angle = jointOf(world, "drive").axes[0].position, side = kCrank * portable::sin(angle);
+    const double x = kCrank * portable::cos(angle) + std::sqrt(kRod * kRod - side * side) - kCrank - kRod;
     raise(metrics, "piston_error_m", std::fabs(jointOf(world, "cylinder").axes[0].position - x));
     raise(metrics, "crank_error_rad", std::fabs(angle - kCrankSpeed * world.time()));
   }));
@@ -146,7 +147,7 @@ constexpr double kShaftSpeed = 3;
 Scene buildUniversal(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, kG);
   const double bend = value(arguments, "bend") * kDegree;
-  const Vec3 along{std::cos(bend), 0, std::sin(bend)};
+  const Vec3 along{portable::cos(bend), 0, portable::sin(bend)};
   const int a = put(scene, box({.5, .1, .1}, {-.5, 0, 0}, 2), "first");
   BodyDef second = box({.5, .1, .1}, .5 * along, 2);
   second.orientation = fromAxisAngle(kY, -bend);
@@ -160,12 +161,12 @@ Scene buildUniversal(const Arguments& arguments) {
 }
 Probes universalProbes(const Arguments& arguments, const Scene&) {
   Probes probes;
-  const double cosine = std::cos(value(arguments, "bend") * kDegree);
+  const double cosine = portable::cos(value(arguments, "bend") * kDegree);
   probes.push_back(everyStep([cosine](const World& world, const StepReport&, Metrics& metrics) {
     const double in = jointOf(world, "input").axes[0].position,
                  out = jointOf(world, "output").axes[0].position;
     // y of A leaves the plane of the bend's normal: there tan out = tan in cos b
-    const double wanted = std::atan2(std::sin(in) * cosine, std::cos(in));
+    const double wanted = portable::atan2(portable::sin(in) * cosine, portable::cos(in));
     raise(metrics, "angle_error_rad", std::fabs(std::remainder(out - wanted, 2 * std::numbers::pi)));
     const double speed = jointOf(world, "output").axes[0].speed / kShaftSpeed;
     raise(metrics, "speed_ratio_high", speed);
@@ -175,7 +176,7 @@ Probes universalProbes(const Arguments& arguments, const Scene&) {
   return probes;
 }
 std::vector<Claim> universalClaims(const Arguments& arguments) {
-  const double high = 1 / std::cos(value(arguments, "bend") * kDegree);
+  const double high = 1 / portable::cos(value(arguments, "bend") * kDegree);
   return {atMost("angle_error_rad", .02, "tan a2 = tan a1 cos b, from the plane of the bend"),
           within("speed_ratio_high", .98 * high, 1.02 * high, "fastest 1 / cos b"),
           within("speed_ratio_low_inverse", .98 * high, 1.02 * high, "slowest cos b"),

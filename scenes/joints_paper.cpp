@@ -4,6 +4,7 @@
 
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 
 namespace rubble::scenes {
 namespace {
@@ -94,7 +95,8 @@ Probes wallProbes(const Arguments&, const Scene& scene) {
   for (const JointDef& joint : scene.joints) {
     const Vec3 point = scene.bodies[static_cast<std::size_t>(joint.bodyA)].position + joint.anchorA;
     bool close = false;
-    for (const Vec3& shot : kShots) close |= std::hypot(point.x - shot.x, point.y - shot.y) < 4 * kShotRadius;
+    for (const Vec3& shot : kShots)
+      close |= portable::hypot(point.x - shot.x, point.y - shot.y) < 4 * kShotRadius;
     near.push_back(close);
   }
   Probes probes;

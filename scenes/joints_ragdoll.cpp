@@ -4,6 +4,7 @@
 
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 #include "ragdoll.h"
 
 namespace rubble::scenes {
@@ -24,7 +25,7 @@ Scene buildLimb(const Arguments&) {
     Event event;
     event.step = 40 * i;
     const double a = 2.4 * i;
-    const Vec3 spin{6 * std::cos(a), 6 * std::sin(a), i % 2 ? 8. : -8.};
+    const Vec3 spin{6 * portable::cos(a), 6 * portable::sin(a), i % 2 ? 8. : -8.};
     event.setVelocity.push_back({"limb", cross(spin, Vec3{0, 0, -.4}), spin});
     scene.events.push_back(event);
   }
@@ -102,7 +103,8 @@ namespace {
 Scene buildRagdolls(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 9.81);
   put(scene, ground(kUpZ, 0, .7));
-  const int n = whole(arguments, "ragdolls"), wide = std::max(1, static_cast<int>(std::ceil(std::cbrt(n))));
+  const int n = whole(arguments, "ragdolls"),
+            wide = std::max(1, static_cast<int>(std::ceil(portable::cbrt(n))));
   for (int i = 0; i < n; ++i) {
     const int x = i % wide, y = i / wide % wide, level = i / (wide * wide);
     // evenly spread sizes in a quasi-random order

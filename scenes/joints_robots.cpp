@@ -5,6 +5,7 @@
 
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 
 namespace rubble::scenes {
 namespace {
@@ -109,7 +110,8 @@ Probes carProbes(const Arguments&, const Scene&) {
   Probes probes;
   probes.push_back(everyStep([](const World& world, const StepReport&, Metrics& metrics) {
     const BodyState chassis = bodyOf(world, "chassis");
-    raise(metrics, "tilt_peak_deg", std::acos(std::min(1.0, rotate(chassis.orientation, kZ).z)) / kDegree);
+    raise(metrics, "tilt_peak_deg",
+          portable::acos(std::min(1.0, rotate(chassis.orientation, kZ).z)) / kDegree);
     if (world.time() > 1.4 && world.time() < 2) {
       double sag = 0;
       for (int i = 0; i < 4; ++i) sag += jointOf(world, "wheel" + std::to_string(i)).axes[2].position / 4;

@@ -4,6 +4,7 @@
 
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 
 namespace rubble::scenes {
 namespace {
@@ -27,7 +28,7 @@ const TopShape kTops[] = {{"disc", Shape::cylinder(.3, .02), .05, 0},
 double precession(const TopShape& top, double inclination, double spin) {
   MassProperties mass = massProperties(top.shape, 1000);
   const double load = kG * top.lever, momentum = mass.inertia.z / mass.mass * spin;
-  const double across = (mass.inertia.x / mass.mass + top.lever * top.lever) * std::cos(inclination);
+  const double across = (mass.inertia.x / mass.mass + top.lever * top.lever) * portable::cos(inclination);
   return 2 * load / (momentum + std::sqrt(momentum * momentum - 4 * across * load));
 }
 
@@ -44,7 +45,7 @@ Scene buildTops(const Arguments& arguments) {
     const Vec3 axis = rotate(body.orientation, kUp);
     body.position = pivot + (top.lever - top.center) * axis;
     const double rate = precession(top, inclination, spin);
-    body.angularVelocity = rate * kUp + (spin - rate * std::cos(inclination)) * axis;
+    body.angularVelocity = rate * kUp + (spin - rate * portable::cos(inclination)) * axis;
     body.velocity = cross(body.angularVelocity, top.lever * axis);
     put(scene, body, top.name);
     join(scene, JointType::Ball, i, kWorld, pivot);
@@ -60,8 +61,8 @@ Probes topProbes(const Arguments& arguments, const Scene&) {
     double angle = 0, last = 0;
     probes.push_back(everyStep([=](const World& world, const StepReport&, Metrics& metrics) mutable {
       const Vec3 axis = rotate(bodyOf(world, top.name).orientation, kUp);
-      raise(metrics, "inclination_error_deg", std::fabs(std::acos(axis.z) - inclination) * 180 / kPi);
-      const double now = std::atan2(axis.y, axis.x);
+      raise(metrics, "inclination_error_deg", std::fabs(portable::acos(axis.z) - inclination) * 180 / kPi);
+      const double now = portable::atan2(axis.y, axis.x);
       angle += std::remainder(now - last, 2 * kPi), last = now;
       metrics[std::string(top.name) + "_precession_ratio"] = angle / (rate * world.time());
     }));

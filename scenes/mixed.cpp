@@ -7,6 +7,7 @@
 #include "families.h"
 #include "grains.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 #include "ragdoll.h"
 
 namespace rubble::scenes {
@@ -77,7 +78,7 @@ Scene buildTrampoline(const Arguments& arguments) {
   const int ragdolls = whole(arguments, "ragdolls"), cells = whole(arguments, "cells");
   for (int i = 0; i < ragdolls; ++i) {
     const double angle = 2 * std::numbers::pi * i / ragdolls, far = ragdolls > 1 ? .9 : 0;
-    addRagdoll(scene, {far * std::cos(angle), far * std::sin(angle), .5 + .2 * i}, 1.3 * i,
+    addRagdoll(scene, {far * portable::cos(angle), far * portable::sin(angle), .5 + .2 * i}, 1.3 * i,
                "ragdoll" + std::to_string(i));
   }
   ClothDef bed = clothSheet({-kBed / 2, -kBed / 2, 0}, {kBed, 0, 0}, {0, kBed, 0}, cells, cells);
@@ -122,7 +123,7 @@ Scene buildArms(const Arguments& arguments) {
       for (int i = 0; i < 5; ++i)
         event.setJoint.push_back({"axis" + std::to_string(k) + "." + std::to_string(i),
                                   0,
-                                  .5 * std::sin(step / 30. + i + k),
+                                  .5 * portable::sin(step / 30. + i + k),
                                   {},
                                   {},
                                   {}});

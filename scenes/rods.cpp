@@ -6,6 +6,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "soft_probes.h"
 
 namespace rubble::scenes {
@@ -49,7 +50,7 @@ Scene buildTwist(const Arguments& arguments) {
 /// How far a body has turned about x since the beginning [rad].
 double turnAboutX(const World& world, const BodyDef& start) {
   const Quat q = world.state(world.findBody(start.name)).orientation * conjugate(start.orientation);
-  return 2 * std::atan2(q.s < 0 ? -q.v.x : q.v.x, std::fabs(q.s));
+  return 2 * portable::atan2(q.s < 0 ? -q.v.x : q.v.x, std::fabs(q.s));
 }
 
 Spec twistSpec() {
@@ -64,7 +65,7 @@ Spec twistSpec() {
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
     const RodDef rod = twistedRod(arguments);
     const double wanted = kTorque * kRodLength /
-                          (shearModulus(rod) * std::numbers::pi * std::pow(rod.radius, 4) / 2);
+                          (shearModulus(rod) * std::numbers::pi * portable::pow(rod.radius, 4) / 2);
     const int pieces = whole(arguments, "segments");
     const BodyDef hub = scene.bodies[0], middle = scene.bodies[1 + static_cast<std::size_t>(pieces / 2)];
     const double share = (pieces / 2 + .5) / pieces;
@@ -95,7 +96,7 @@ RodDef coil(const Arguments& arguments) {
   for (int i = 0; i <= turns * around; ++i) {
     const double angle = 2 * std::numbers::pi * i / around;
     rod.points.push_back(
-        {kCoilRadius * std::cos(angle), kCoilRadius * std::sin(angle), -kPitch * i / around});
+        {kCoilRadius * portable::cos(angle), kCoilRadius * portable::sin(angle), -kPitch * i / around});
   }
   rod.name = "wire";
   rod.radius = .005;
@@ -136,8 +137,8 @@ Spec coilSpec() {
   spec.build = buildCoil;
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
     const RodDef rod = coil(arguments);
-    const double stiffness = shearModulus(rod) * std::pow(2 * rod.radius, 4) /
-                             (8 * std::pow(2 * kCoilRadius, 3) * whole(arguments, "turns"));
+    const double stiffness = shearModulus(rod) * portable::pow(2 * rod.radius, 4) /
+                             (8 * portable::pow(2 * kCoilRadius, 3) * whole(arguments, "turns"));
     const double start = scene.bodies[0].position.z, wanted = kWeight / stiffness;
     Probes probes;
     probes.push_back(endProbe({{"length_ratio", [=](const World& w) {

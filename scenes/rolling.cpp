@@ -8,6 +8,7 @@
 #include "build.h"
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 
 namespace rubble::scenes {
 namespace {
@@ -70,7 +71,7 @@ Probes rollingProbes(const Arguments& arguments, const Scene&) {
       } else {
         const double moment = world.massOf(id).inertia.z / (world.massOf(id).mass * r * r);
         raise(metrics, "acceleration_error",
-              std::fabs(v / world.time() / (kG * std::sin(slope) / (1 + moment)) - 1));
+              std::fabs(v / world.time() / (kG * portable::sin(slope) / (1 + moment)) - 1));
       }
     }
   }));

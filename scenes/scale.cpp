@@ -4,6 +4,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "probes.h"
 
 namespace rubble::scenes {
@@ -94,12 +95,12 @@ constexpr double kLink = .5, kHalfWidth = .1;  // [m]
 
 Scene buildChains(const Arguments& arguments) {
   const int chains = whole(arguments, "chains"), links = whole(arguments, "links");
-  const double angle = value(arguments, "angle") * std::acos(-1.0) / 180;
-  const Vec3 along{std::sin(angle), -std::cos(angle), 0};
+  const double angle = value(arguments, "angle") * portable::acos(-1.0) / 180;
+  const Vec3 along{portable::sin(angle), -portable::cos(angle), 0};
   Scene scene = emptyScene(kUpY, 9.81);
   scene.bodies.reserve(std::size_t(chains) * std::size_t(links));
   const int side = int(std::ceil(std::sqrt(double(chains))));
-  const double pitchX = kLink * links * std::sin(angle) + 1;
+  const double pitchX = kLink * links * portable::sin(angle) + 1;
   for (int c = 0; c < chains; ++c) {
     const Vec3 top{pitchX * (c % side), 0, double(c / side)};
     for (int i = 0; i < links; ++i) {

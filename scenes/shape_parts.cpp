@@ -1,4 +1,5 @@
 #include "shape_parts.h"
+#include "math/portable.h"
 
 #include <cmath>
 #include <numbers>
@@ -42,7 +43,7 @@ std::vector<Vec3> prismCorners(int sides, double radius, double halfHeight) {
   for (int k = 0; k < sides; ++k)
     for (const double z : {-halfHeight, halfHeight}) {
       const double angle = 2 * std::numbers::pi * k / sides;
-      points.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+      points.push_back({radius * portable::cos(angle), radius * portable::sin(angle), z});
     }
   return points;
 }
@@ -54,7 +55,7 @@ Shape pebble(double size, std::uint32_t key) {
     const double z = 1 - (2 * k + 1.0) / kCorners, angle = 2.399963229728653 * k + unitOf(97 * key + k),
                  s = std::sqrt(1 - z * z);
     const double far = size * (.85 + .15 * unitOf(1031 * key + 7 * k));
-    points.push_back({far * s * std::cos(angle), .8 * far * s * std::sin(angle), .65 * far * z});
+    points.push_back({far * s * portable::cos(angle), .8 * far * s * portable::sin(angle), .65 * far * z});
   }
   return Shape::hull(points);
 }

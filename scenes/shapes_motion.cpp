@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "families.h"
+#include "math/portable.h"
 #include "probes.h"
 #include "shape_parts.h"
 
@@ -19,7 +20,7 @@ constexpr double kCoil = 2, kGutter = .3, kTurns = 2, kDrop = 1.6;  // radii, tu
 /// Middle line of the gutter at t in [0, 1].
 Vec3 onCoil(double t) {
   const double angle = 2 * kPi * kTurns * t;
-  return {kCoil * std::cos(angle), kCoil * std::sin(angle), 1.2 + kDrop * kTurns * (1 - t)};
+  return {kCoil * portable::cos(angle), kCoil * portable::sin(angle), 1.2 + kDrop * kTurns * (1 - t)};
 }
 
 Shape gutter(int along, int across) {
@@ -32,7 +33,8 @@ Shape gutter(int along, int across) {
     for (int k = 0; k <= across; ++k) {
       // from the inner rim down and up to the outer one
       const double a = kPi * k / across;
-      points.push_back(middle + outward * (-kGutter * std::cos(a)) + Vec3{0, 0, -kGutter * std::sin(a)});
+      points.push_back(middle + outward * (-kGutter * portable::cos(a)) +
+                       Vec3{0, 0, -kGutter * portable::sin(a)});
     }
   }
   for (int i = 0; i < along; ++i)
@@ -74,12 +76,12 @@ class ArrivalProbe : public Probe {
       if (world.definition(id).motion != Motion::Dynamic) continue;
       const Vec3 p = world.state(id).position;
       // within reach of the gutter's middle line all the way down to its end
-      const double r = std::hypot(p.x, p.y), angle = std::atan2(p.y, p.x);
+      const double r = portable::hypot(p.x, p.y), angle = portable::atan2(p.y, p.x);
       double nearest = 1e30;
       for (int turn = 0; turn <= int(kTurns); ++turn) {
         const double t = (angle + 2 * kPi * turn) / (2 * kPi * kTurns);
         if (t < -.02 || t > 1.02) continue;
-        nearest = std::min(nearest, std::hypot(r - kCoil, p.z - onCoil(t).z));
+        nearest = std::min(nearest, portable::hypot(r - kCoil, p.z - onCoil(t).z));
       }
       if (nearest > 1.2 * kGutter && p.z > .9 + kGutter) lost_ = true;
       if (std::size_t(id.index) >= low_.size()) low_.resize(std::size_t(id.index) + 1);
@@ -122,7 +124,7 @@ constexpr double kDrum = 2, kDrumDepth = 1.2;
 Scene buildTumbler(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 9.81);
   std::vector<ShapePartDef> parts;
-  const double half = kDrum * std::tan(kPi / kStaves);
+  const double half = kDrum * portable::tan(kPi / kStaves);
   for (int i = 0; i < kStaves; ++i) {
     const double angle = 2 * kPi * i / kStaves;
     const Quat q = fromAxisAngle(Vec3{0, 1, 0}, angle);

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "families.h"
+#include "math/portable.h"
 #include "probes.h"
 #include "shape_parts.h"
 
@@ -26,12 +27,12 @@ Scene buildVoussoirs(const Arguments& arguments) {
   for (int i = 0; i < count; ++i) {
     std::vector<Vec3> points;
     const double middle = kPi * (i + .5) / count;
-    const Vec3 center = kArchRadius * Vec3{std::cos(middle), 0, std::sin(middle)};
+    const Vec3 center = kArchRadius * Vec3{portable::cos(middle), 0, portable::sin(middle)};
     for (const int side : {i, i + 1})
       for (const double r : {inner, outer})
         for (const double y : {-kArchWidth / 2, kArchWidth / 2}) {
           const double angle = kPi * side / count;
-          points.push_back(Vec3{r * std::cos(angle), y, r * std::sin(angle)} - center);
+          points.push_back(Vec3{r * portable::cos(angle), y, r * portable::sin(angle)} - center);
         }
     BodyDef stone;
     stone.name = "voussoir" + std::to_string(i);
@@ -117,7 +118,7 @@ double bowlDistance(const Vec3& p) {
   // a shell of half a sphere on a foot
   const double shell = std::fabs(length(p) - kBowlRadius) - kBowlWall / 2;
   const double half = std::max(shell, p.z);
-  const double r = std::hypot(p.x, p.y);
+  const double r = portable::hypot(p.x, p.y);
   const double foot = std::max({r - .5, p.z + .9, -1.15 - p.z});
   return std::min(half, foot);
 }

@@ -7,6 +7,7 @@
 #include "build.h"
 #include "families.h"
 #include "joint_probes.h"
+#include "math/portable.h"
 #include "probe_parts.h"
 
 namespace rubble::scenes {
@@ -56,7 +57,7 @@ Scene buildSilo(const Arguments& arguments) {
         const bool isBox = random.between(0, 1) < value(arguments, "boxes");
         const Vec3 axis{random.between(-1, 1), random.between(-1, 1), random.between(.1, 1)};
         const double angle = random.between(0, std::numbers::pi);
-        if (sides != 4 && std::hypot(place.x, place.y) > width / 2 - r) continue;
+        if (sides != 4 && portable::hypot(place.x, place.y) > width / 2 - r) continue;
         BodyDef grain = box(.57 * own * Vec3{1, 1, 1}, place, 1);
         if (!isBox) grain.shape = Shape::sphere(own);
         grain.mass.reset();
@@ -74,7 +75,7 @@ double janssen(double floor, double friction, double slenderness) {
   double low = 0, high = 100;
   for (int k = 0; k < 60; ++k) {
     const double x = (low + high) / 2;
-    (-std::expm1(-x) / x > floor ? low : high) = x;
+    (-portable::expm1(-x) / x > floor ? low : high) = x;
   }
   return low / (4 * friction * slenderness);
 }

@@ -6,6 +6,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "soft_probes.h"
 #include "surface_exact.h"
 
@@ -198,8 +199,8 @@ Scene buildKnot(const Arguments& arguments) {
   std::vector<Vec3> path;
   path.push_back({0, 0, 1.2});
   for (double t = -2.15; t <= 2.15; t += .01)
-    path.push_back(
-        {.05 * (t * t * t - 3 * t), .03 * (t * t * t * t - 4 * t * t), -.022 * (std::pow(t, 5) - 10 * t)});
+    path.push_back({.05 * (t * t * t - 3 * t), .03 * (t * t * t * t - 4 * t * t),
+                    -.022 * (portable::pow(t, 5) - 10 * t)});
   path.push_back({0, 0, -1});
   // points at equal distances along it
   const double step = value(arguments, "segment_m");
@@ -279,8 +280,8 @@ CableDef ringAround(const Vec3& center, int segments) {
   ring.radius = kRopeRadius;
   for (int i = 0; i < segments; ++i) {
     const double angle = 2 * std::numbers::pi * i / segments;
-    ring.vertices.push_back(
-        center + Vec3{0, kRingSize * std::cos(angle), kRingSize * std::sin(angle) - .6 * kRingSize});
+    ring.vertices.push_back(center + Vec3{0, kRingSize * portable::cos(angle),
+                                          kRingSize * portable::sin(angle) - .6 * kRingSize});
   }
   return ring;
 }

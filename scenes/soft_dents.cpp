@@ -5,6 +5,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "soft_probes.h"
 
 namespace rubble::scenes {
@@ -33,8 +34,9 @@ Shape smallShape(int kind) {
 /// A rotation for each number, spread over all of them.
 Quat someTurn(int i) {
   const double a = 2.4 * i, b = 1.7 * i + .4, c = .37 * i;
-  return normalize(Quat{std::cos(c), std::sin(c) * std::cos(a), std::sin(c) * std::sin(a) * std::cos(b),
-                        std::sin(c) * std::sin(a) * std::sin(b)});
+  return normalize(Quat{portable::cos(c), portable::sin(c) * portable::cos(a),
+                        portable::sin(c) * portable::sin(a) * portable::cos(b),
+                        portable::sin(c) * portable::sin(a) * portable::sin(b)});
 }
 
 Scene buildDents(const Arguments& arguments) {

@@ -5,6 +5,7 @@
 #include "build.h"
 #include "families.h"
 #include "grains.h"
+#include "math/portable.h"
 #include "soft_probes.h"
 
 namespace rubble::scenes {
@@ -75,7 +76,7 @@ Scene buildHourglass(const Arguments& arguments) {
   const double radius = value(arguments, "radius"), neckHeight = .5, slab = .4;
   for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}}) {
     // the lower edge of a slab is at the neck, and it leans outwards; its faces look along the local z
-    const Quat turn = fromAxisAngle(Vec3{0, 0, 1}, std::atan2(n.y, n.x)) *
+    const Quat turn = fromAxisAngle(Vec3{0, 0, 1}, portable::atan2(n.y, n.x)) *
                       fromAxisAngle(Vec3{0, 1, 0}, -kSlabTilt);
     const double thick = .02;
     BodyDef wall = block({slab, .8, thick},

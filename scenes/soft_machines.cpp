@@ -9,6 +9,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "ragdoll.h"
 #include "soft_probes.h"
 
@@ -167,8 +168,8 @@ Scene buildJumpers(const Arguments& arguments) {
   const int ragdolls = whole(arguments, "men");
   for (int i = 0; i < ragdolls; ++i) {
     const double angle = 2 * std::numbers::pi * i / ragdolls, far = ragdolls > 1 ? .9 : 0;
-    addRagdoll(scene, {far * std::cos(angle), far * std::sin(angle), kBedHeight + .5 + .3 * i}, 1.3 * i,
-               "ragdoll" + std::to_string(i));
+    addRagdoll(scene, {far * portable::cos(angle), far * portable::sin(angle), kBedHeight + .5 + .3 * i},
+               1.3 * i, "ragdoll" + std::to_string(i));
   }
   const int cells = whole(arguments, "cells");
   ClothDef bed = heldSheet(kBed, kBedHeight, cells);
@@ -223,7 +224,9 @@ Scene buildCar(const Arguments& arguments) {
   chassis.name = "chassis";
   chassis.mass = kChassisMass;
   scene.bodies.push_back(chassis);
-  const auto ring = [](const Vec3& x) { return std::hypot(std::hypot(x.x, x.z) - kTyre, x.y) - kTube; };
+  const auto ring = [](const Vec3& x) {
+    return portable::hypot(portable::hypot(x.x, x.z) - kTyre, x.y) - kTube;
+  };
   const double far = kTyre + kTube + .05;
   const TetSolidDef tyre = softFromFunction(ring, {-far, -kTube - .05, -far}, {far, kTube + .05, far},
                                             value(arguments, "cell"));
@@ -255,7 +258,7 @@ Scene buildCar(const Arguments& arguments) {
       own.viscosity = 200;
       own.material.staticFriction = own.material.dynamicFriction = 1;
       for (std::size_t v = 0; v < own.vertices.size(); ++v) {
-        const bool inner = std::hypot(own.vertices[v].x, own.vertices[v].z) < kHub;
+        const bool inner = portable::hypot(own.vertices[v].x, own.vertices[v].z) < kHub;
         own.vertices[v] += center;
         if (!inner) continue;
         AttachmentDef hold;

@@ -5,6 +5,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "soft_probes.h"
 
 namespace rubble::scenes {
@@ -79,7 +80,7 @@ double bodiesThrough(const World& world, int cells) {
     for (int j = std::max(0, cj - kReach); j <= std::min(cells, cj + kReach); ++j)
       for (int i = std::max(0, ci - kReach); i <= std::min(cells, ci + kReach); ++i) {
         const Vec3& v = x[static_cast<std::size_t>(i + j * (cells + 1))];
-        const double d = std::hypot(v.x - p.x, v.y - p.y);
+        const double d = portable::hypot(v.x - p.x, v.y - p.y);
         if (d < nearest) nearest = d, height = v.z;
       }
     through += p.z < height;

@@ -5,6 +5,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "soft_probes.h"
 
 namespace rubble::scenes {
@@ -90,7 +91,7 @@ Spec balloonSpec() {
     Probes probes;
     probes.push_back(endProbe(
         {{"strain_ratio",
-          [=](const World& w) { return (std::cbrt(volumeInside(w, 0) / before) - 1) / (wanted - 1); }},
+          [=](const World& w) { return (portable::cbrt(volumeInside(w, 0) / before) - 1) / (wanted - 1); }},
          {"motion_j", motion}}));
     return probes;
   };

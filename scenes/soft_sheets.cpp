@@ -6,6 +6,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "soft_probes.h"
 
 namespace rubble::scenes {
@@ -298,7 +299,7 @@ Scene buildCapstan(const Arguments& arguments) {
   for (int i = 0; i <= free; ++i) rope.vertices.push_back({-reach, 0, -kFree + kFree * i / free});
   for (int i = 1; i < bent; ++i) {
     const double angle = std::numbers::pi * (1 - double(i) / bent);
-    rope.vertices.push_back({reach * std::cos(angle), 0, reach * std::sin(angle)});
+    rope.vertices.push_back({reach * portable::cos(angle), 0, reach * portable::sin(angle)});
   }
   for (int i = 0; i <= free; ++i) rope.vertices.push_back({reach, 0, -kFree * i / free});
   rope.material = {mu, mu, 0};
@@ -344,7 +345,7 @@ Spec capstanSpec() {
   };
   spec.claims = [](const Arguments& arguments) {
     const bool holds = value(arguments, "load_ratio") <
-                       std::exp(std::numbers::pi * value(arguments, "friction"));
+                       portable::exp(std::numbers::pi * value(arguments, "friction"));
     return std::vector<Claim>{
         holds ? within("heavy_drop_m", -.02, .1, "friction holds the heavy load")
               : atLeast("heavy_drop_m", .4, "the heavy load pulls the light one up to the bar")};

@@ -4,6 +4,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "soft_probes.h"
 
 namespace rubble::scenes {
@@ -37,7 +38,7 @@ Spec beamSpec() {
                     quantity("youngs_modulus", 2e7, 1e4, 1e10, "Pa", "Young's modulus")};
   spec.build = buildBeam;
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
-    const double inertia = std::pow(kBeamSide, 4) / 12, load = 1000 * 10 * kBeamSide * kBeamSide;
+    const double inertia = portable::pow(kBeamSide, 4) / 12, load = 1000 * 10 * kBeamSide * kBeamSide;
     const double exact = load / (8 * value(arguments, "youngs_modulus") * inertia);
     const std::vector<int> tip = verticesWhere(common(scene.deformables[0]),
                                                [](const Vec3& x) { return x.x > .999; });

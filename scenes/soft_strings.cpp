@@ -5,6 +5,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "soft_probes.h"
 
 namespace rubble::scenes {
@@ -33,7 +34,7 @@ Scene buildPlucked(const Arguments& arguments) {
   string.density = kStringDensity;
   for (const Vec3& x : string.vertices)
     string.start.push_back(
-        {x.x * (1 + value(arguments, "strain")), 0, kPlucked * std::sin(std::numbers::pi * x.x)});
+        {x.x * (1 + value(arguments, "strain")), 0, kPlucked * portable::sin(std::numbers::pi * x.x)});
   string.fixed = {0, kSegments};
   scene.deformables.push_back(string);
   return scene;
@@ -94,7 +95,7 @@ constexpr double kHalfSpan = 1, kCatenary = .8;  // a [m]
 Scene buildCatenary(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   const int segments = whole(arguments, "segments");
-  const double half = kCatenary * std::sinh(kHalfSpan / kCatenary);
+  const double half = kCatenary * portable::sinh(kHalfSpan / kCatenary);
   CableDef rope = straightCable({-half, 0, 0}, {2 * half, 0, 0}, segments);
   rope.name = "rope";
   rope.radius = .005;
@@ -102,7 +103,7 @@ Scene buildCatenary(const Arguments& arguments) {
   for (const Vec3& x : rope.vertices) {
     const double along = kCatenary * std::asinh(x.x / kCatenary);
     rope.start.push_back(
-        {along, 0, kCatenary * (std::cosh(along / kCatenary) - std::cosh(kHalfSpan / kCatenary))});
+        {along, 0, kCatenary * (portable::cosh(along / kCatenary) - portable::cosh(kHalfSpan / kCatenary))});
   }
   rope.fixed = {0, segments};
   scene.deformables.push_back(rope);
@@ -116,7 +117,7 @@ Spec catenarySpec() {
   spec.arguments = {count("segments", kSegments, 4, 400, "pieces of the rope")};
   spec.build = buildCatenary;
   spec.probes = [](const Arguments&, const Scene&) {
-    const double exact = kCatenary * (std::cosh(kHalfSpan / kCatenary) - 1);
+    const double exact = kCatenary * (portable::cosh(kHalfSpan / kCatenary) - 1);
     const Measure sag{"sag_over_catenary", [=](const World& w) { return -lowestVertex(w) / exact; }};
     Probes probes;
     probes.push_back(endProbe({sag}));

@@ -5,6 +5,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "motion_probes.h"
 #include "probes.h"
 
@@ -29,8 +30,8 @@ constexpr double kCardSmashSeconds = 5;
 Scene buildCards(const Arguments& arguments) {
   const int levels = whole(arguments, "levels");
   const double thick = value(arguments, "thickness"), density = value(arguments, "density");
-  const double halfWidth = kCardLength / 2 * std::sin(kCardLean) + thick / 2 * std::cos(kCardLean);
-  const double halfHeight = kCardLength / 2 * std::cos(kCardLean) + thick / 2 * std::sin(kCardLean);
+  const double halfWidth = kCardLength / 2 * portable::sin(kCardLean) + thick / 2 * portable::cos(kCardLean);
+  const double halfHeight = kCardLength / 2 * portable::cos(kCardLean) + thick / 2 * portable::sin(kCardLean);
   const double pitch = kCardLength + kCardGap;
   const Vec3 leaningHalf{thick / 2, kCardLength / 2, kCardDepth / 2};
   Scene scene = emptyScene(kUpY, 9.81);
@@ -74,7 +75,7 @@ Probes cardProbes(const Arguments& arguments, const Scene& scene) {
 }
 
 std::vector<Claim> cardClaims(const Arguments& arguments) {
-  const double height = whole(arguments, "levels") * kCardLength * std::cos(kCardLean);
+  const double height = whole(arguments, "levels") * kCardLength * portable::cos(kCardLean);
   std::vector<Claim> claims{
       atMost("max_drift_m", value(arguments, "thickness"), "no card moves by more than its thickness"),
       atMost("quarantined", 0, "every state stays finite")};
@@ -122,7 +123,7 @@ class WaveProbe final : public Probe {
                          .state(
                              world.findBody("domino" + std::to_string(static_cast<int>(share * dominoes_))))
                          .orientation;
-      const double lean = std::acos(std::min(1., rotate(q, Vec3{0, 1, 0}).y));
+      const double lean = portable::acos(std::min(1., rotate(q, Vec3{0, 1, 0}).y));
       if (lean > kLean)
         time = world.time() - world.params().dt * (lean - kLean) / std::max(lean - last_[share > .5], 1e-9);
       last_[share > .5] = lean;

@@ -1,4 +1,5 @@
 #include "surface_exact.h"
+#include "math/portable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -215,8 +216,8 @@ double linkingNumber(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   double sum = 0;
   const auto angle = [](const Vec3& u, const Vec3& v, const Vec3& w) {
     const double lu = length(u), lv = length(v), lw = length(w);
-    return 2 *
-           std::atan2(dot(u, cross(v, w)), lu * lv * lw + dot(u, v) * lw + dot(v, w) * lu + dot(w, u) * lv);
+    return 2 * portable::atan2(dot(u, cross(v, w)),
+                               lu * lv * lw + dot(u, v) * lw + dot(v, w) * lu + dot(w, u) * lv);
   };
   for (std::size_t i = 0; i < a.size(); ++i)
     for (std::size_t j = 0; j < b.size(); ++j) {

@@ -1,4 +1,5 @@
 #include "vehicle.h"
+#include "math/portable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +30,7 @@ int RaycastVehicle::drive(World& world, const Controls& controls) const {
     const double length = hit.hit ? hit.distance - wheel.radius : wheel.travel;
     if (!shown_.empty()) {
       // the axle is the z axis of a cylinder
-      const Quat axle = turned * fromAxisAngle(Vec3{1, 0, 0}, std::acos(0.));
+      const Quat axle = turned * fromAxisAngle(Vec3{1, 0, 0}, portable::acos(0.));
       world.setTarget(shown_[k], rays[k].origin - up * length, axle);
     }
     if (!hit.hit) continue;

@@ -6,6 +6,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "math/portable.h"
 #include "probes.h"
 
 namespace rubble::scenes {
@@ -128,7 +129,7 @@ constexpr double kRowPitch = .52;  // [m]
 
 /// Bricks of a row whose inner faces are `inner` from the axis.
 int ringBricks(double inner) {
-  return int(std::numbers::pi / std::atan((kHalfBrick.x + kRingGap / 2) / inner));
+  return int(std::numbers::pi / portable::atan((kHalfBrick.x + kRingGap / 2) / inner));
 }
 
 Scene buildRing(const Arguments& arguments) {
@@ -147,7 +148,7 @@ Scene buildRing(const Arguments& arguments) {
         const double r = inner + kHalfBrick.z;
         BodyDef brick = block(
             scale.length * kHalfBrick,
-            scale.length * Vec3{r * std::sin(angle), (course + .5) * kHeight, r * std::cos(angle)},
+            scale.length * Vec3{r * portable::sin(angle), (course + .5) * kHeight, r * portable::cos(angle)},
             scale.density);
         brick.orientation = fromAxisAngle(kUpY, angle);
         scene.bodies.push_back(brick);

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <random>
 
+#include "platform/system.h"
+
 #if RUBBLE_HAS_MPI
 #include <rubble/mpi.h>
 #else
@@ -35,7 +37,7 @@ void Processes::join() {
   if (!MpiRanks::launched()) return;
   ranks_ = std::make_unique<MpiRanks>();
   processRank = ranks_->rank();
-  if (processRank > 0 && !std::freopen("/dev/null", "w", stdout)) processRank = 0;
+  if (processRank > 0 && !std::freopen(platform::kNullFile, "w", stdout)) processRank = 0;
 }
 void Processes::fail(const std::string& why) {
   if (ranks_ && ranks_->count() > 1) ranks_->abort(why);

@@ -1,7 +1,5 @@
 #include "apps/cli/progress.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "apps/cli/system.h"
+#include "platform/system.h"
 
 namespace rubble::cli {
 namespace {
@@ -29,7 +28,7 @@ Progress::Progress(std::string title, int steps, bool quiet, std::string unit)
       unit_(std::move(unit)),
       steps_(std::max(steps, 1)),
       quiet_(quiet),
-      terminal_(isatty(STDERR_FILENO) == 1),
+      terminal_(platform::isTerminal(stderr)),
       startTime_(secondsNow()) {}
 
 Progress::~Progress() {

@@ -1,55 +1,30 @@
 #include "apps/cli/system.h"
 
-#include <sys/utsname.h>
-
 #include <chrono>
 #include <ctime>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
 
+#include "platform/system.h"
+
 namespace rubble::cli {
-namespace {
-
-/// The text after "key ... :" of the first line of a file that begins with `key`.
-std::string valueOf(const char* file, const std::string& key) {
-  std::ifstream in(file);
-  for (std::string line; std::getline(in, line);) {
-    if (line.rfind(key, 0) != 0) continue;
-    const std::size_t colon = line.find(':');
-    const std::size_t begin = colon == std::string::npos ? colon : line.find_first_not_of(" \t", colon + 1);
-    if (begin != std::string::npos) return line.substr(begin);
-  }
-  return "";
-}
-
-}  // namespace
-
-double residentMb() {
-  double kibibytes = 0;
-  std::istringstream(valueOf("/proc/self/status", "VmRSS")) >> kibibytes;
-  return kibibytes * 1024 / 1e6;
-}
+double residentMb() { return static_cast<double>(platform::residentBytes()) / 1e6; }
 
 std::string processorName() {
-  const std::string model = valueOf("/proc/cpuinfo", "model name");
+  const std::string model = platform::processorName();
   return model.empty() ? "unknown processor" : model;
 }
 
 std::string machineName() {
-  utsname system{};
-  const bool known = uname(&system) == 0;
-  return fmt::format(
-      "{}, {} cores, {}", processorName(), threadCount(0),
-      known ? fmt::format("{} {} {}", system.sysname, system.release, system.machine) : "unknown system");
+  const std::string system = platform::systemName();
+  return fmt::format("{}, {} cores, {}", processorName(), threadCount(0),
+                     system.empty() ? "unknown system" : system);
 }
 
 std::string timestamp() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm utc{};
-  gmtime_r(&now, &utc);
+  const std::tm utc = platform::utc(now);
   char text[32];
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
   return text;

@@ -6,11 +6,11 @@
 #include <limits>
 
 #include <rubble/error.h>
-#include <zlib.h>
 
 #include "convert/out/frames.h"
 #include "convert/out/scratch.h"
 #include "io/byte_stream.h"
+#include "io/crc32.h"
 #include "io/output_file.h"
 
 namespace rubble::convert {
@@ -122,7 +122,7 @@ class Member {
   }
   void add(const char* data, std::size_t bytes) {
     out_.write(data, static_cast<std::streamsize>(bytes));
-    crc_ = crc32_z(crc_, reinterpret_cast<const Bytef*>(data), bytes);
+    crc_ = io::crc32(data, bytes, crc_);
     size_ += bytes;
   }
   template <class T> void add(const std::vector<T>& values) {

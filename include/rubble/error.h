@@ -5,11 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#if defined(__clang__)
-#define RUBBLE_REFERS_TO_THIS [[clang::lifetimebound]]
-#else
-#define RUBBLE_REFERS_TO_THIS
-#endif
+#include <rubble/compiler.h>
 
 namespace rubble {
 
@@ -69,5 +65,3 @@ class OutOfMemory : public Error {
 };
 
 }  // namespace rubble
-
-#undef RUBBLE_REFERS_TO_THIS

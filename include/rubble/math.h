@@ -4,15 +4,7 @@
 /// units.
 #include <cmath>
 
-/// RUBBLE_HD: host and device function. RUBBLE_NEAR: forced inlining of small hot functions. The step is one
-/// large translation unit, in which inlining heuristics give up.
-#if defined(__CUDACC__)
-#define RUBBLE_HD __host__ __device__
-#define RUBBLE_NEAR __forceinline__
-#else
-#define RUBBLE_HD
-#define RUBBLE_NEAR inline __attribute__((always_inline))
-#endif
+#include <rubble/compiler.h>
 
 namespace rubble {
 

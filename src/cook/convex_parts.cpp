@@ -8,6 +8,7 @@
 #include <rubble/error.h>
 
 #include "cook/hull.h"
+#include "math/portable.h"
 
 namespace rubble {
 
@@ -57,7 +58,7 @@ std::vector<ConcaveEdge> concaveEdges(const TriangleMesh& mesh) {
                m = normalOf(mesh.triangles[other->second]);
     // Along the edge in the first triangle, whose inside is on the left.
     if (dot(cross(n, m), b - a) >= 0) continue;
-    const double angle = std::acos(std::clamp(dot(n, m), -1.0, 1.0));
+    const double angle = portable::acos(std::clamp(dot(n, m), -1.0, 1.0));
     if (angle > kFlat) out.push_back({a, b, n, m, angle * length(b - a)});
   }
   std::stable_sort(out.begin(), out.end(),

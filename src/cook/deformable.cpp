@@ -6,6 +6,7 @@
 
 #include "cook/soft_surface.h"
 #include "forces/element_kind.h"
+#include "math/portable.h"
 
 namespace rubble {
 
@@ -164,7 +165,7 @@ std::map<Edge, Hinge> hingesOf(const std::vector<std::array<int, 3>>& triangles)
 double cotangent(const Vec3& a, const Vec3& b) { return dot(a, b) / length(cross(a, b)); }
 
 void addBends(const ClothDef& d, SoftModel& m) {
-  const double plate = d.youngsModulus * std::pow(d.thickness, 3) /
+  const double plate = d.youngsModulus * portable::pow(d.thickness, 3) /
                        (12 * (1 - d.poissonRatio * d.poissonRatio));
   const double kb = d.bendingStiffness.value_or(plate);
   if (!(kb > 0) && !(d.bendingDamping > 0)) return;
@@ -176,7 +177,7 @@ void addBends(const ClothDef& d, SoftModel& m) {
     const double q = 3 / (triangleArea(x0, x1, x2) + triangleArea(x0, x1, x3));
     if (d.restFolded) {
       const Vec3 n1 = cross(x0 - x2, x1 - x2), n2 = cross(x1 - x3, x0 - x3);
-      const double angle = std::atan2(dot(cross(n1, n2), e0) / length(e0), dot(n1, n2));
+      const double angle = portable::atan2(dot(cross(n1, n2), e0) / length(e0), dot(n1, n2));
       m.list<FoldBendModel>().push_back({v, kb * q * dot(e0, e0), d.bendingDamping * length(e0), angle});
       continue;
     }
@@ -262,7 +263,7 @@ std::shared_ptr<const SoftModel> cook(const NetDef& d) {
 
 std::shared_ptr<const SoftModel> cook(const ParticlesDef& d) {
   SoftModel m = startModel(d);
-  const double mass = d.density * 4 / 3 * std::numbers::pi * std::pow(d.radius, 3);
+  const double mass = d.density * 4 / 3 * std::numbers::pi * portable::pow(d.radius, 3);
   for (SoftModel::Vertex& v : m.vertices) v.mass = mass, v.radius = d.radius, v.length = 2 * d.radius;
   m.collides |= kWithParticles;
   m.surfaceRadius = d.radius;

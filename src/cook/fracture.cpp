@@ -9,6 +9,7 @@
 
 #include "cook/convex_parts.h"
 #include "cook/hull.h"
+#include "math/portable.h"
 
 namespace rubble {
 
@@ -229,7 +230,7 @@ Fracture fracture(const TriangleMesh& surface, int count, std::uint64_t seed, co
     out.pieces.push_back({std::move(one.hull), one.hullVolume});
   }
   out.lost = std::max(0.0, out.lost);
-  ContactFinder(out, std::cbrt(mean)).run();
+  ContactFinder(out, portable::cbrt(mean)).run();
   return out;
 }
 

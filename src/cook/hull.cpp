@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "cook/halving.h"
+#include "platform/system.h"
 
 #if defined(RUBBLE_HAS_QHULL)
 extern "C" {
@@ -69,7 +70,7 @@ Hull convexHull(const std::vector<Vec3>& points, const Path& path) {
 
   // the error reports failures, so qhull prints nothing
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> silence(
-      std::fopen("/dev/null", "w"), [](std::FILE* f) { return f ? std::fclose(f) : 0; });
+      std::fopen(platform::kNullFile, "w"), [](std::FILE* f) { return f ? std::fclose(f) : 0; });
   Qhull qhull(silence.get());
   qhT* qh = qhull.get();
   char options[] = "qhull Pp C-1e-7";

@@ -1,6 +1,7 @@
 /// The layer around a polyhedron consists of a prism on each face, a sector of a cylinder along each edge and
 /// a sector of a ball at each vertex.
 #include "cook/rounded_mass.h"
+#include "math/portable.h"
 
 #include <cmath>
 #include <map>
@@ -30,11 +31,11 @@ struct Arc {
   Arc(const Vec3& from, const Vec3& to) : begin(from) {
     const Vec3 across = cross(from, to);
     const double sine = length(across);
-    angle = std::atan2(sine, dot(from, to));
+    angle = portable::atan2(sine, dot(from, to));
     if (sine > 0) axis = across / sine, side = cross(axis, from);
   }
   /// Integral of its points.
-  Vec3 sum() const { return begin * std::sin(angle) + side * (1 - std::cos(angle)); }
+  Vec3 sum() const { return begin * portable::sin(angle) + side * (1 - portable::cos(angle)); }
   Vec3 begin, side, axis;
   double angle;
 };
@@ -43,7 +44,7 @@ struct Arc {
 SolidSums edgeSector(const Vec3& a, const Vec3& b, const Arc& arc, double radius) {
   const Vec3 along = b - a, middle = (a + b) * 0.5;
   const double size = length(along), r2 = radius * radius, area = arc.angle * r2 / 2,
-               sine = std::sin(arc.angle), cosine = std::cos(arc.angle);
+               sine = portable::sin(arc.angle), cosine = portable::cos(arc.angle);
   const Vec3 first = arc.sum() * (radius * r2 / 3);  // of the section
   SolidSums s;
   s.volume = size * area;
@@ -60,7 +61,7 @@ SolidSums edgeSector(const Vec3& a, const Vec3& b, const Arc& arc, double radius
 
 /// Solid angle of a triangle of unit vectors (Van Oosterom, Strackee 1983).
 double solidAngle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return 2 * std::atan2(dot(a, cross(b, c)), 1 + dot(a, b) + dot(b, c) + dot(c, a));
+  return 2 * portable::atan2(dot(a, cross(b, c)), 1 + dot(a, b) + dot(b, c) + dot(c, a));
 }
 
 /// Sector of a ball about x in the directions of a convex spherical polygon, counter-clockwise seen from

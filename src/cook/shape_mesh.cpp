@@ -7,6 +7,7 @@
 #include "cook/distance_surface.h"
 #include "cook/hull.h"
 #include "cook/shape_traits.h"
+#include "math/portable.h"
 
 namespace rubble {
 
@@ -54,7 +55,7 @@ class Builder {
     const int first = static_cast<int>(mesh.points.size());
     for (const Ring& ring : rings)
       for (int k = 0; k <= segments_; ++k) {
-        const double angle = kTurn * k / segments_, c = std::cos(angle), s = std::sin(angle);
+        const double angle = kTurn * k / segments_, c = portable::cos(angle), s = portable::sin(angle);
         corner({ring.r * c, ring.r * s, ring.z}, {ring.nr * c, ring.nr * s, ring.nz});
       }
     const int row = segments_ + 1;
@@ -71,15 +72,15 @@ class Builder {
     const int steps = segments_ / 4;
     for (int k = 0; k <= steps; ++k) {
       const double angle = kTurn / 4 * (top ? k : steps + k) / steps;
-      const double s = k == (top ? 0 : steps) ? 0 : std::sin(angle);
-      rings.push_back({r * s, z + r * std::cos(angle), s, std::cos(angle)});
+      const double s = k == (top ? 0 : steps) ? 0 : portable::sin(angle);
+      rings.push_back({r * s, z + r * portable::cos(angle), s, portable::cos(angle)});
     }
   }
   void disc(double r, double z, double side) {
     std::vector<Vec3> corners;
     for (int k = 0; k < segments_; ++k) {
       const double angle = side * kTurn * k / segments_;
-      corners.push_back({r * std::cos(angle), r * std::sin(angle), z});
+      corners.push_back({r * portable::cos(angle), r * portable::sin(angle), z});
     }
     face(corners);
   }
@@ -91,7 +92,7 @@ class Builder {
       // evenly distributed on the sphere (golden angle)
       const double z = 1 - (2 * k + 1.0) / count, s = std::sqrt(1 - z * z),
                    angle = kTurn * .61803398874989485 * k;
-      const Vec3 d{s * std::cos(angle), s * std::sin(angle), z};
+      const Vec3 d{s * portable::cos(angle), s * portable::sin(angle), z};
       for (const Vec3& x : furthest(d)) points.push_back(x + d * radius);
     }
     for (const Vec3& n : normals)
@@ -182,8 +183,8 @@ void addSupportPoints(Builder& builder, const ShapeTraits& traits, const Shape& 
   for (int i = 0; i <= down; ++i)
     for (int k = 0; k < (i == 0 || i == down ? 1 : around); ++k) {
       const double a = std::numbers::pi * i / down, b = 2 * std::numbers::pi * k / around;
-      points.push_back(
-          traits.support(shape, {std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)}));
+      points.push_back(traits.support(shape, {portable::sin(a) * portable::cos(b),
+                                              portable::sin(a) * portable::sin(b), portable::cos(a)}));
     }
   builder.polyhedron(convexHull(points, "shape"));
 }
@@ -219,7 +220,7 @@ ShapeMesh shapeMesh(const Shape& shape, int segments) {
       builder.disc(r, -l, -1);
       break;
     case ShapeType::Cone: {
-      const double size = std::hypot(r, 2 * l);
+      const double size = portable::hypot(r, 2 * l);
       builder.turned({{0, l, 2 * l / size, r / size}, {r, -l, 2 * l / size, r / size}});
       builder.disc(r, -l, -1);
       break;

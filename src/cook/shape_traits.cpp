@@ -6,6 +6,7 @@
 
 #include "cook/checks.h"
 #include "cook/rounded_mass.h"
+#include "math/portable.h"
 
 namespace rubble {
 
@@ -90,7 +91,7 @@ struct CylinderTraits {
     return {ShapeKind::Cylinder, {s.radius - r, s.radius - r, s.halfLength - r}, r};
   }
   static double boundingRadius(const Shape& s) {
-    return std::hypot(s.radius - s.rounding, s.halfLength - s.rounding) + s.rounding;
+    return portable::hypot(s.radius - s.rounding, s.halfLength - s.rounding) + s.rounding;
   }
   static MassProperties massProperties(const Shape& s, double density) {
     if (s.rounding > 0) return roundedMass(s, density);
@@ -124,7 +125,7 @@ struct ConeTraits {
     return {ShapeKind::Cone, {s.radius, s.radius, 1.5 * s.halfLength}, 0};
   }
   static double boundingRadius(const Shape& s) {
-    return std::max(1.5 * s.halfLength, std::hypot(s.radius, .5 * s.halfLength));
+    return std::max(1.5 * s.halfLength, portable::hypot(s.radius, .5 * s.halfLength));
   }
   static MassProperties massProperties(const Shape& s, double density) {
     const double r = s.radius, l = s.halfLength, h = 2 * l, m = density * kPi * r * r * h / 3,

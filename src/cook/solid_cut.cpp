@@ -1,4 +1,5 @@
 #include "cook/solid_cut.h"
+#include "math/portable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +72,8 @@ void addConvexCap(const Edges& edges, const Plane& plane, Polygons& front) {
   middle = middle / static_cast<double>(edges.size());
   const Vec3 u = normalize(edges[0].first - middle), v = cross(plane.normal, u);
   std::vector<std::pair<double, Vec3>> around;
-  for (const auto& [a, b] : edges) around.emplace_back(std::atan2(dot(a - middle, v), dot(a - middle, u)), a);
+  for (const auto& [a, b] : edges)
+    around.emplace_back(portable::atan2(dot(a - middle, v), dot(a - middle, u)), a);
   // Clockwise about the normal, which points into the cell.
   std::sort(around.begin(), around.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [angle, x] : around) front.corners.push_back(x);

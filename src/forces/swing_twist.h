@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "forces/hinge.h"
+#include "math/portable.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -118,11 +119,11 @@ struct SwingTwistKind {
     // With one direction free the cone is nearly half a revolution wide there, so that the other limit is
     // unchanged.
     constexpr double kWidest = .999 * std::numbers::pi;
-    const double y = std::tan(std::min(def.swingY, kWidest) / 2),
-                 z = std::tan(std::min(def.swingZ, kWidest) / 2), wide = std::max(y, z);
+    const double y = portable::tan(std::min(def.swingY, kWidest) / 2),
+                 z = portable::tan(std::min(def.swingZ, kWidest) / 2), wide = std::max(y, z);
     b.joint.constants.set(SwingTwistJoint::Constants{normalize(def.driveOrientation), wide / y, wide / z});
     b.joint.axes[0].min = -kFree;
-    b.joint.axes[0].max = def.swingY == kFree && def.swingZ == kFree ? kFree : 2 * std::atan(wide);
+    b.joint.axes[0].max = def.swingY == kFree && def.swingZ == kFree ? kFree : 2 * portable::atan(wide);
   }
   static void check(const JointDef& def, const Path& path) {
     // a narrower cone must be a hinge

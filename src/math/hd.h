@@ -18,8 +18,12 @@
 /// kernels.
 #if defined(__CUDACC__)
 #define RUBBLE_OUT_OF_LINE __noinline__
-#else
+#elif defined(_MSC_VER)
+#define RUBBLE_OUT_OF_LINE __declspec(noinline)
+#elif defined(__GNUC__)
 #define RUBBLE_OUT_OF_LINE __attribute__((noinline))
+#else
+#define RUBBLE_OUT_OF_LINE
 #endif
 
 /// 1 in device code.
@@ -34,8 +38,10 @@
 #define RUBBLE_UNROLL _Pragma("unroll")
 #elif defined(__clang__)
 #define RUBBLE_UNROLL _Pragma("unroll")
-#else
+#elif defined(__GNUC__)
 #define RUBBLE_UNROLL _Pragma("GCC unroll 8")
+#else
+#define RUBBLE_UNROLL
 #endif
 
 namespace rubble::RUBBLE_CORE {

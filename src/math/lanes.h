@@ -2,10 +2,10 @@
 /// SIMD lanes over contact points, bodies or joints. Formulas are written once for a lane type L: `Real` (one
 /// item, a GPU thread) or `Real4` (four items, a CPU vector register). Each lane of Real4 is bitwise equal to
 /// Real.
-#include <bit>
 #include <cstring>
 
 #include "math/hd.h"
+#include "math/real4.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -55,23 +55,12 @@ template <class L> struct LaneAccess {
 
 #if !defined(__CUDACC__)
 
-using Real4 = Real __attribute__((vector_size(kLanes * sizeof(Real))));
-using Real4Aliased = Real __attribute__((vector_size(kLanes * sizeof(Real)), may_alias));
-
-template <class Mask> inline Real4 select(Mask mask, Real4 a, Real4 b) { return mask ? a : b; }
 inline Real4 sqrtOf(Real4 a) {
   return Real4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 }
-inline Real4 absOf(Real4 a) { return a < 0 ? -a : a; }
-inline Real4 minOf(Real4 a, Real4 b) { return b < a ? b : a; }
-inline Real4 maxOf(Real4 a, Real4 b) { return a < b ? b : a; }
-template <class Mask> inline bool allOf(Mask mask) {
-  using Words = long long __attribute__((vector_size(kLanes * sizeof(Real))));
-  const Words w = std::bit_cast<Words>(mask);
-  long long common = w[0];
-  for (std::size_t k = 1; k < sizeof(Mask) / sizeof(long long); ++k) common &= w[k];
-  return common == -1;
-}
+inline Real4 absOf(Real4 a) { return select(a < Real4{}, -a, a); }
+inline Real4 minOf(Real4 a, Real4 b) { return select(b < a, b, a); }
+inline Real4 maxOf(Real4 a, Real4 b) { return select(a < b, b, a); }
 template <class Mask> inline bool anyOf(Mask mask) { return !allOf(~mask); }
 /// Sums in a fixed order.
 inline Real sumOf(Real4 a) { return (a[0] + a[1]) + (a[2] + a[3]); }
@@ -114,12 +103,9 @@ template <> struct LaneAccess<Real4> {
 
  private:
   static Quad<Real4> transposed(const Quad<Real4>& q) {
-    const Real4 a = __builtin_shufflevector(q.x, q.y, 0, 4, 1, 5),
-                b = __builtin_shufflevector(q.z, q.w, 0, 4, 1, 5);
-    const Real4 c = __builtin_shufflevector(q.x, q.y, 2, 6, 3, 7),
-                d = __builtin_shufflevector(q.z, q.w, 2, 6, 3, 7);
-    return {__builtin_shufflevector(a, b, 0, 1, 4, 5), __builtin_shufflevector(a, b, 2, 3, 6, 7),
-            __builtin_shufflevector(c, d, 0, 1, 4, 5), __builtin_shufflevector(c, d, 2, 3, 6, 7)};
+    const Real4 a = firstOfBoth(q.x, q.y), b = firstOfBoth(q.z, q.w);
+    const Real4 c = lastOfBoth(q.x, q.y), d = lastOfBoth(q.z, q.w);
+    return {firstHalves(a, b), lastHalves(a, b), firstHalves(c, d), lastHalves(c, d)};
   }
 };
 

@@ -2,6 +2,7 @@
 /// Computes the constants of a step from the user's parameters.
 #include <algorithm>
 
+#include "math/portable.h"
 #include "solver/constants.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -45,7 +46,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.dt = static_cast<Real>(dt);
   c.inverseDt = static_cast<Real>(1 / dt);
   c.alpha = static_cast<Real>(alpha);
-  c.gamma = static_cast<Real>(params.preset == Preset::Engine ? std::pow(t.warmStartDecay, 60 * dt)
+  c.gamma = static_cast<Real>(params.preset == Preset::Engine ? portable::pow(t.warmStartDecay, 60 * dt)
                                                               : t.warmStartDecay);
   c.startStiffness = static_cast<Real>(t.startStiffness);
   c.tangentStiffness = static_cast<Real>(t.tangentStiffness);

@@ -9,12 +9,23 @@ namespace rubble::RUBBLE_CORE {
 template <class L> struct SolveBody;
 struct SolveVertex;
 
-/// The name of a kernel's type, without namespace and template arguments.
+/// The name of a kernel's type, without namespace and template arguments, from the signature of kernelName().
+/// GCC and Clang write "... [with Kernel = a::Name<...>; ...]", MSVC "... kernelName<struct a::Name<...>>".
+constexpr std::string_view kernelNameIn(std::string_view signature) {
+  constexpr std::string_view kGnu = "Kernel = ", kMsvc = "kernelName<";
+  const std::size_t gnu = signature.find(kGnu);
+  signature.remove_prefix(gnu != signature.npos ? gnu + kGnu.size() : signature.find(kMsvc) + kMsvc.size());
+  signature = signature.substr(0, signature.find_first_of("<;]>"));
+  return signature.substr(signature.find_last_of(": ") + 1);
+}
 template <class Kernel> constexpr std::string_view kernelName() {
-  std::string_view text = __PRETTY_FUNCTION__;
-  text.remove_prefix(text.find("Kernel = ") + 9);
-  text = text.substr(0, text.find_first_of("<;]"));
-  return text.substr(text.rfind(':') + 1);
+#if defined(_MSC_VER) && !defined(__clang__)
+  return kernelNameIn(__FUNCSIG__);
+#elif defined(__GNUC__)
+  return kernelNameIn(__PRETTY_FUNCTION__);
+#else
+  return Kernel::kStage;
+#endif
 }
 
 /// Stands for any kernel: a functor f(SolverData, index). `kStage` is the name of its stage in timings,

@@ -2,14 +2,20 @@
 #include <tuple>
 #include <utility>
 
+#include "platform/threads.h"
 #include "tables/host_queries.h"
-#include "tables/loops.h"
 #include "tables/query_shapes.h"
 #include "tables/shape_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 
 namespace {
+
+template <class Kernel> void forEach(const SolverData& s, const Kernel& kernel, std::size_t n) {
+  forEachRange(n, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) kernel(s, static_cast<int>(i));
+  });
+}
 
 /// Fills the grid at the present poses.
 void fillGrid(SolverData& s) {
@@ -47,12 +53,6 @@ QueryShelf::QueryShelf(std::span<const std::shared_ptr<const CookedShape>> shape
     shape.data += tables_.shapeIndices;
     addShape(tables_, *cooked, std::vector<int>(cooked->parts.size(), -1));
   }
-}
-
-template <class Kernel> void HostQueries::forEach(const SolverData& s, const Kernel& kernel, std::size_t n) {
-  forEachRange(tasks_, static_cast<int>(n), 1, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) kernel(s, i);
-  });
 }
 
 std::span<const EngineHit> HostQueries::hits(HostTables& tables, const EngineQueries& asked) {

@@ -8,7 +8,7 @@
 
 #include "cook/checks.h"
 #include "cook/cook.h"
-#include "tables/loops.h"
+#include "platform/threads.h"
 #include "world/world_impl.h"
 
 namespace rubble {
@@ -49,12 +49,12 @@ template <class Hit> Hit hitOf(const Registry& registry, const EngineHit& found)
 
 /// f(i) for all i < n, in parallel if that pays.
 template <class F> void forEachIndex(const TaskSystem& tasks, std::size_t n, F&& f) {
-  constexpr int kGrain = 2048;
-  const auto each = [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) f(static_cast<std::size_t>(i));
-  };
-  if (n <= static_cast<std::size_t>(kGrain)) return each(0, static_cast<int>(n));
-  forEachRange(tasks, static_cast<int>(n), kGrain, each);
+  constexpr std::size_t kGrain = 2048;
+  withTasks(tasks, [&] {
+    forEachRange(n, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) f(i);
+    });
+  });
 }
 
 /// The part of a hit on a deformable object that all kinds have.

@@ -160,7 +160,12 @@ constexpr std::string_view kMagic = "rubble snapshot 1\n";
 
 /// What has to be equal for bytes to be read: the version, and the layout of the tables.
 std::string layoutOf(bool doublePrecision) {
+#if defined(RUBBLE_HAS_REFERENCE)
   const std::uint64_t layout = doublePrecision ? f64::tableLayout() : f32::tableLayout();
+#else
+  if (doublePrecision) throw Error("snapshot", "one in single precision", "one of backend \"reference\"");
+  const std::uint64_t layout = f32::tableLayout();
+#endif
   return std::string(RUBBLE_VERSION_TEXT) + ", layout " + std::to_string(layout);
 }
 

@@ -6,6 +6,7 @@
 #include <rubble/info.h>
 
 #include "cook/checks.h"
+#include "math/portable.h"
 #include "world/log.h"
 #include "world/world_impl.h"
 
@@ -13,8 +14,10 @@ namespace rubble {
 
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings, options.tasks);
+#if defined(RUBBLE_HAS_REFERENCE)
   if (options.backend == "reference")
     return f64::makeCpuEngine(options.threads, options.timings, options.tasks);
+#endif
   if (options.backend == "distributed")
     return f32::makeDistributedEngine(options.ranks, options.threads, options.timings);
   if (options.backend == "lockstep")
@@ -54,7 +57,11 @@ void validate(const WorldOptions& options) {
 }
 
 std::vector<std::string> backends() {
+#if defined(RUBBLE_HAS_REFERENCE)
   std::vector<std::string> names = {"cpu", "reference", "distributed", "lockstep"};
+#else
+  std::vector<std::string> names = {"cpu", "distributed", "lockstep"};
+#endif
   if (cudaReady()) names.insert(names.end(), {"cuda", "lockstep-cuda"});
   return names;
 }
@@ -236,7 +243,7 @@ void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) 
   Quat d = target.orientation * conjugate(s.orientation);
   if (d.s < 0) d = {-d.s, -d.v};
   const double u = length(d.v);
-  s.angularVelocity = u > 0 ? d.v * (2 * std::atan2(u, d.s) / (u * dt)) : Vec3{};
+  s.angularVelocity = u > 0 ? d.v * (2 * portable::atan2(u, d.s) / (u * dt)) : Vec3{};
   impl_->engine->apply(SetBodyState{id.index, s});
   impl_->pass(inputs::SetTarget{id, position, orientation});
 }

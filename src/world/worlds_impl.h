@@ -3,12 +3,9 @@
 #include <deque>
 #include <limits>
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <rubble/worlds.h>
 
-#include "tables/loops.h"
+#include "platform/threads.h"
 #include "world/batch.h"
 #include "world/world_impl.h"
 
@@ -22,17 +19,13 @@ inline int worldsPerEngine(const std::string& backend) {
 
 struct Worlds::Impl {
   explicit Impl(const WorldOptions& given)
-      : options(given),
-        perBatch(worldsPerEngine(given.backend)),
-        arena(given.threads > 0 ? given.threads : tbb::task_arena::automatic),
-        tasks(given.tasks) {
+      : options(given), perBatch(worldsPerEngine(given.backend)), threads(given.threads, given.tasks) {
     options.threads = 1, options.tasks = {};
   }
 
   WorldOptions options;
   int perBatch;  ///< most worlds of a batch
-  tbb::task_arena arena;
-  TaskSystem tasks;
+  Threads threads;
   std::vector<std::shared_ptr<Batch>> batches;
   std::deque<World> worlds;  ///< references stay valid
   std::shared_ptr<std::vector<CookedEntry>> cooked = std::make_shared<std::vector<CookedEntry>>();
@@ -51,11 +44,7 @@ struct Worlds::Impl {
   World::Impl& at(int world) { return *worlds[static_cast<std::size_t>(world)].impl_; }
   /// f(k) for each of the batches, in parallel.
   template <class F> void forEachBatch(F&& f) {
-    const auto each = [&](int begin, int end) {
-      for (int k = begin; k < end; ++k) f(static_cast<std::size_t>(k));
-    };
-    if (tasks.run) return forEachPart(tasks, static_cast<int>(batches.size()), 1, each);
-    arena.execute([&] { tbb::parallel_for(std::size_t{0}, batches.size(), f, tbb::simple_partitioner{}); });
+    threads.run([&] { forEachTask(batches.size(), f); });
   }
   /// Sends edits of the worlds of a batch to its engine, and what the rows of its joint arrays are.
   void sendJointRows(std::size_t batch) {

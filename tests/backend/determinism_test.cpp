@@ -1,10 +1,9 @@
 /// The same bits at any number of threads, and the lockstep that proves it.
 #include <backend/lockstep/lockstep_engine.h>
 
-#include <tbb/global_control.h>
-
 #include "tables/clean_copy.h"
 #include "tests/support/core_world.h"
+#include "tests/support/many_threads.h"
 #include "tests/support/scenes.h"
 
 namespace rubble {
@@ -13,7 +12,7 @@ namespace {
 constexpr int kSteps = 120;
 
 /// More threads than this machine may have cores.
-const tbb::global_control kManyThreads(tbb::global_control::max_allowed_parallelism, 8);
+const test::ManyThreads kManyThreads(8);
 
 std::vector<std::uint64_t> hashes(int threads, const std::string& backend) {
   World world(test::heap(8), test::options(4, backend, threads));

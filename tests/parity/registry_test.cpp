@@ -2,12 +2,12 @@
 /// chaos parts them.
 #include <gtest/gtest.h>
 #include <scenes/registry.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cctype>
 
 #include "tests/support/expect.h"
+#include "tests/support/many_threads.h"
 
 namespace rubble {
 namespace {
@@ -97,7 +97,7 @@ TEST(Parity, OfManyThreadsIsExactForDeformableObjects) {
 }
 
 TEST(Parity, OfManyThreadsIsExact) {
-  const tbb::global_control manyThreads(tbb::global_control::max_allowed_parallelism, 4);
+  const test::ManyThreads manyThreads(4);
   scenes::Runner one(jobOf("pile-1k"), optionsOf(jobOf("pile-1k"), "cpu"));
   WorldOptions options = optionsOf(jobOf("pile-1k"), "cpu");
   options.threads = 3;

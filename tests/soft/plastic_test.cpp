@@ -1,8 +1,8 @@
 /// Plastic solids: remaining strain and conserved quantities.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "tests/soft/soft_scenes.h"
+#include "tests/support/many_threads.h"
 
 namespace rubble {
 namespace {
@@ -159,7 +159,7 @@ TEST(Plastic, AnObjectThatGoesLeavesTheShapesOfOthers) {
 }
 
 TEST(Plastic, GivesTheSameBitsAtAnyNumberOfThreads) {
-  const tbb::global_control manyThreads(tbb::global_control::max_allowed_parallelism, 4);
+  const test::ManyThreads manyThreads(4);
   World one(thrownBox(2e3), options(10)), three(thrownBox(2e3), options(10, "cpu", 3));
   run(one, 60), run(three, 60);
   EXPECT_EQ(one.hash(), three.hash());

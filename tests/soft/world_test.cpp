@@ -1,8 +1,8 @@
 /// Deformable objects as part of a world: ids, edits, snapshots, determinism, errors.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "tests/soft/soft_scenes.h"
+#include "tests/support/many_threads.h"
 
 namespace rubble {
 namespace {
@@ -33,14 +33,14 @@ Scene medley() {
 }
 
 TEST(SoftWorld, GivesTheSameBitsAtAnyNumberOfThreads) {
-  const tbb::global_control manyThreads(tbb::global_control::max_allowed_parallelism, 4);
+  const test::ManyThreads manyThreads(4);
   World one(medley(), options(4)), three(medley(), options(4, "cpu", 3));
   run(one, 60), run(three, 60);
   EXPECT_EQ(one.hash(), three.hash());
 }
 
 TEST(SoftWorld, LockstepFindsNoDifference) {
-  const tbb::global_control manyThreads(tbb::global_control::max_allowed_parallelism, 4);
+  const test::ManyThreads manyThreads(4);
   World world(medley(), options(4, "lockstep", 3));
   run(world, 40);
   EXPECT_EQ(world.firstDifference(), "");

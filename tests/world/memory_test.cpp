@@ -3,6 +3,8 @@
 
 #include <fstream>
 
+#if defined(__linux__)
+
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -116,3 +118,5 @@ INSTANTIATE_TEST_SUITE_P(Backends, OutOfMemory, ::testing::Values("cpu", "refere
 
 }  // namespace
 }  // namespace rubble
+
+#endif

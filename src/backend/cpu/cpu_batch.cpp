@@ -17,12 +17,7 @@ void CpuEngine::stepWorlds(StepReport& report, std::span<const char> paused) {
     if ((s.paused[w] = paused[w]) != 0) still.push_back(static_cast<int>(w));
   // a step skips most of the work for paused worlds, and afterwards their states are put back
   std::vector<std::vector<std::byte>> states(still.size());
-  executor_.run([&] {
-    forEachRange(executor_.tasks(), static_cast<int>(still.size()), 1, [&](int begin, int end) {
-      for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k)
-        states[k] = takeWorld(still[k]);
-    });
-  });
+  executor_.run([&] { forEachTask(still.size(), [&](std::size_t k) { states[k] = takeWorld(still[k]); }); });
   s.pausing = !still.empty();
   try {
     step(report);

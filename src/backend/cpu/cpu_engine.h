@@ -119,7 +119,7 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   HostReader reader_{executor_.tables()};
   HostArrays arrays_{executor_.tables()};
   HostJointRows jointRows_;
-  HostQueries queries_{executor_.tasks()};
+  HostQueries queries_;
   EngineSettings settings_;
   double previousDt_ = 0;
   std::vector<WorldSettings> worlds_;  ///< of a batch

@@ -1,6 +1,6 @@
 #pragma once
-/// The executor for oneTBB. Kernels write only elements of their own index, so results do not depend on the
-/// number of threads.
+/// The executor for the threads of a processor. Kernels write only elements of their own index, so results do
+/// not depend on the number of threads.
 #include <algorithm>
 #include <chrono>
 #include <functional>
@@ -9,18 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/parallel_reduce.h>
-#include <tbb/task_arena.h>
-
 #include <rubble/report.h>
 
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
 #include "backend/division.h"
 #include "backend/kernel_observer.h"
+#include "platform/threads.h"
 #include "stages/step.h"
 #include "tables/host_tables.h"
-#include "tables/loops.h"
 #include "tables/state_rows.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -34,9 +31,7 @@ class CpuExecutor {
 
   /// `timings`: measure stage times. `tasks`: run all loops, if given.
   explicit CpuExecutor(int threads, bool timings = true, TaskSystem tasks = {})
-      : arena_(threads > 0 ? threads : tbb::task_arena::automatic),
-        tasks_(std::move(tasks)),
-        timings_(timings) {}
+      : threads_(threads, std::move(tasks)), timings_(timings) {}
 
   HostTables& tables() { return tables_; }
   const HostTables& tables() const { return tables_; }
@@ -50,15 +45,8 @@ class CpuExecutor {
   /// not depend on it.
   void takeOneByOne() { together_ = false; }
 
-  const TaskSystem& tasks() const { return tasks_; }
-
   /// Runs f() on the threads of this executor.
-  template <class F> void run(F&& f) {
-    if (tasks_.run)
-      f();
-    else
-      arena_.execute(f);
-  }
+  template <class F> void run(F&& f) { threads_.run(f); }
 
   template <class Kernel> void forEach(const Kernel& kernel, int n) {
     const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
@@ -121,14 +109,12 @@ class CpuExecutor {
     const int members = s.nodes();
     // a key has nodes of one level only, since levels share no keys
     const auto forEachKey = [&](auto&& f) {
-      const auto level = [&](int l) {
+      const auto level = [&](std::size_t which) {
+        const int l = static_cast<int>(which);
         for (int m = 0; m < members && l * members + m < n; ++m)
           if (const int k = key[l * members + m]; k >= 0) f(k, m);
       };
-      const int levels = members > 0 ? (n + members - 1) / members : 0;
-      forEachRange(tasks_, levels, 1, [&](int begin, int end) {
-        for (int l = begin; l < end; ++l) level(l);
-      });
+      forEachTask(static_cast<std::size_t>(members > 0 ? (n + members - 1) / members : 0), level);
     };
     std::fill_n(offset, count + 1, 0);
     forEachKey([&](int k, int) { ++offset[k]; });
@@ -191,11 +177,8 @@ class CpuExecutor {
   }
   void order(const std::uint64_t* keys, int* to, int n) {
     std::iota(to, to + n, 0);
-    const auto less = [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; };
-    if (tasks_.run)
-      std::sort(to, to + n, less);
-    else
-      tbb::parallel_sort(to, to + n, less);
+    sortOnThreads(to, to + n,
+                  [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
   }
   template <class T> void copy(T* to, const T* from, int n) { std::copy_n(from, n, to); }
   /// Releases the scratch memory.
@@ -285,11 +268,8 @@ class CpuExecutor {
   template <class F> void forRange(int n, F&& f) {
     // smaller ranges run serially
     constexpr int kGrain = 64;
-    if (n <= kGrain) return f(0, n);
-    if (tasks_.run) return forEachPart(tasks_, n, kGrain, f);
-    if (arena_.max_concurrency() == 1) return f(0, n);
-    const auto body = [&](const tbb::blocked_range<int>& range) { f(range.begin(), range.end()); };
-    tbb::parallel_for(tbb::blocked_range<int>(0, n, kGrain), body, tbb::static_partitioner{});
+    if (n <= kGrain || threads_.count() == 1) return f(0, n);
+    forEachShare(n, kGrain, f);
   }
 
   struct Release {
@@ -298,8 +278,7 @@ class CpuExecutor {
 
   HostTables tables_;
   std::vector<std::unique_ptr<void, Release>> rooms_;
-  tbb::task_arena arena_;
-  TaskSystem tasks_;
+  Threads threads_;
   bool timings_;
   bool together_ = true;
   Division* division_ = nullptr;

@@ -4,6 +4,7 @@
 /// and leave rare cases to the scalar kernel. Each lane has the bits of the scalar kernel, so results do not
 /// depend on the grouping.
 #include "backend/cpu/gather.h"
+#include "platform/prefetch.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -37,8 +38,8 @@ inline constexpr int kAhead = 2;
 
 /// Prefetches the first and the last byte of [begin, begin + bytes).
 RUBBLE_NEAR void fetch(const void* begin, std::size_t bytes) {
-  __builtin_prefetch(begin);
-  __builtin_prefetch(static_cast<const char*>(begin) + bytes - 1);
+  prefetch(begin);
+  prefetch(static_cast<const char*>(begin) + bytes - 1);
 }
 /// Prefetches the inputs of a constraint.
 RUBBLE_NEAR void fetchBall(const SolverData& s, std::uint32_t code) {
@@ -138,8 +139,8 @@ RUBBLE_NEAR bool haveSoftNodes(const SolverData& s, const Lane4& slice) {
 template <> struct Simd4Kernel<SumSlice<Real4>> {
   static void expect(const SolverData& s, const Lane4& index) {
     for (const int i : index) {
-      __builtin_prefetch(s.boundary + s.boundaryOffset[i]);
-      __builtin_prefetch(&s.aggregate[s.slice[i].aggregate].center);
+      prefetch(s.boundary + s.boundaryOffset[i]);
+      prefetch(&s.aggregate[s.slice[i].aggregate].center);
     }
   }
   static void prepare(const SolverData& s, const Lane4& index) {

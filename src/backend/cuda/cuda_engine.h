@@ -180,8 +180,7 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   HostReader reader_{mirror_.host()};
   DevicePoses poses_;
   DeviceQueries queries_;
-  TaskSystem noTasks_;
-  HostQueries hostQueries_{noTasks_};
+  HostQueries hostQueries_;
   std::unique_ptr<HostTables> seen_;  ///< of tablesNow()
   std::vector<ContactRows> seenRows_;
   MostWritten seenMost_;

@@ -1,0 +1,20 @@
+# What loops over threads need (src/platform/threads.h): rubble_threads, an interface target for all that include it.
+# rubble_tbb: ON where it is oneTBB. rubble_thread_library: what users of an installed library link.
+
+set(rubble_tbb OFF)
+set(rubble_thread_library Threads::Threads)
+if(NOT RUBBLE_TBB STREQUAL "OFF")
+  find_package(TBB QUIET)
+  if(TBB_FOUND)
+    set(rubble_tbb ON)
+    set(rubble_thread_library TBB::tbb)
+  elseif(RUBBLE_TBB STREQUAL "ON")
+    message(FATAL_ERROR "RUBBLE_TBB=ON, but oneTBB was not found (Debian: libtbb-dev)")
+  endif()
+endif()
+find_package(Threads REQUIRED)
+add_library(rubble_threads INTERFACE)
+target_link_libraries(rubble_threads INTERFACE ${rubble_thread_library})
+if(rubble_tbb)
+  target_compile_definitions(rubble_threads INTERFACE RUBBLE_HAS_TBB=1)
+endif()

@@ -1,0 +1,11 @@
+# Toolchain: Linux on aarch64 by the compiler of Debian's g++-aarch64-linux-gnu; programs run under qemu-user.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(rubble_cross aarch64-linux-gnu)
+set(CMAKE_C_COMPILER ${rubble_cross}-gcc)
+set(CMAKE_CXX_COMPILER ${rubble_cross}-g++)
+find_program(RUBBLE_QEMU NAMES qemu-aarch64 qemu-aarch64-static)
+if(RUBBLE_QEMU)
+  set(CMAKE_CROSSCOMPILING_EMULATOR ${RUBBLE_QEMU} -L /usr/${rubble_cross})
+endif()
+include(${CMAKE_CURRENT_LIST_DIR}/cross.cmake)

@@ -1,0 +1,15 @@
+# Toolchain: Windows on x86-64 by the compiler of Debian's g++-mingw-w64-x86-64-posix; programs run under wine.
+set(CMAKE_SYSTEM_NAME Windows)
+set(CMAKE_SYSTEM_PROCESSOR x86_64)
+set(rubble_cross x86_64-w64-mingw32)
+set(CMAKE_C_COMPILER ${rubble_cross}-gcc-posix)
+set(CMAKE_CXX_COMPILER ${rubble_cross}-g++-posix)
+set(CMAKE_RC_COMPILER ${rubble_cross}-windres)
+find_program(RUBBLE_WINE NAMES wine64 wine)
+if(RUBBLE_WINE)
+  set(CMAKE_CROSSCOMPILING_EMULATOR ${RUBBLE_WINE})
+endif()
+# Programs carry the runtime of the compiler. Its assembler refuses files with many sections unless told.
+set(CMAKE_EXE_LINKER_FLAGS_INIT -static)
+set(CMAKE_CXX_FLAGS_INIT -Wa,-mbig-obj)
+include(${CMAKE_CURRENT_LIST_DIR}/cross.cmake)
