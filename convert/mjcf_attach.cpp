@@ -81,6 +81,8 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   add(sites_, reader.sites_, [&](MjcfSite& site) { return moveLink(site.link); });
   add(rounds_, reader.rounds_, [&](MjcfRound& round) { return moveLink(round.link); });
   add(geoms_, reader.geoms_, moveDof);
+  for (const auto& [dof, rest] : reader.springRest_)
+    if (std::pair<int, int> own = dof; moveDof(own)) springRest_[own] = rest;
   for (const auto& [dof, most] : reader.actuatorForce_)
     if (std::pair<int, int> own = dof; moveDof(own)) actuatorForce_[own] = most;
 

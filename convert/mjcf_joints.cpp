@@ -65,6 +65,7 @@ void MjcfReader::readJoint(const Tag& tag, const MjcfScope& scope) {
   const double rest = out.type == DofType::Ball ? 0 : coordinate(tag.number("springref", 0));
   if (compiler_.springs) out.drive.stiffness = stiffness, out.drive.stiffnessTarget = stiffness * rest;
   if (compiler_.dampers) out.damping = damping;
+  springRest_[{scope.link, static_cast<int>(own.dofs.size())}] = rest;
   const double friction = tag.number("frictionloss", 0);
   if (friction < 0) tag.fail("frictionloss", "a number of at least 0", std::to_string(friction));
   if (compiler_.friction) out.friction = friction;

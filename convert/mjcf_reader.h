@@ -147,6 +147,8 @@ class MjcfReader {
   // mjcf_relations.cpp
   /// Pose of a link in the world as the file gives it.
   Pose referencePose(int link) const;
+  /// The same with all hinges and slides at the rest of their springs.
+  Pose restPose(int link) const;
   void readContact(pugi::xml_node node);
   void readPair(const Tag& tag);
   void readEquality(pugi::xml_node node);
@@ -163,6 +165,9 @@ class MjcfReader {
   const MjcfSite& siteOf(const Tag& tag, const char* key) const;
   void readSum(const Tag& tag, Tendon& tendon);
   double lengthInFile(const Tendon& tendon) const;
+  /// The length with all joints at the rest of their springs.
+  double lengthAtRest(const Tendon& tendon) const;
+  template <class PoseOf, class At> double lengthOf(const Tendon& tendon, PoseOf&& poseOf, At&& at) const;
 
   // mjcf_inertia.cpp
   /// Inertia that a coordinate sees in the pose of the file, with the armature: the diagonal of the mass
@@ -203,6 +208,7 @@ class MjcfReader {
   std::map<std::pair<int, int>, double> actuatorForce_;  ///< limits by actuatorfrcrange [N], [N m]
   /// Time constant and damping ratio of joints [s], [1].
   std::map<std::pair<int, int>, std::array<double, 2>> springDampers_;
+  std::map<std::pair<int, int>, double> springRest_;  ///< springref of hinges and slides [m], [rad]
   std::map<std::string, std::size_t> tendonByName_;
   std::vector<double> controls_, activations_;  ///< of the keyframe
   std::size_t actuators_ = 0, activated_ = 0;   ///< read so far, and those with an activation

@@ -34,7 +34,7 @@ void MjcfReader::readTendon(const Tag& tag) {
   // one length, or a range in which there is no force; below 0: that of the pose in the file
   const auto rest = tag.numbers("springlength", 1, 2).value_or(std::vector<double>{-1});
   if (compiler_.springs && stiffness > 0) {
-    const double first = rest[0] < 0 ? lengthInFile(out) : rest[0], last = rest.size() > 1 ? rest[1] : first;
+    const double first = rest[0] < 0 ? lengthAtRest(out) : rest[0], last = rest.size() > 1 ? rest[1] : first;
     if (first == last) {
       out.drive.stiffness = stiffness;
       out.drive.stiffnessTarget = stiffness * first;
@@ -121,13 +121,33 @@ void MjcfReader::readSum(const Tag& tag, Tendon& out) {
   if (out.terms.empty()) tag.fail("joint", "a joint", "none");
 }
 
-double MjcfReader::lengthInFile(const Tendon& tendon) const {
+Pose MjcfReader::restPose(int at) const {
+  Pose out;
+  for (; at >= 0; at = model_.links[static_cast<std::size_t>(at)].parent) {
+    const Link& link = model_.links[static_cast<std::size_t>(at)];
+    Pose motion;
+    for (std::size_t k = 0; k < link.dofs.size(); ++k) {
+      const Dof& dof = link.dofs[k];
+      const auto rest = springRest_.find({at, static_cast<int>(k)});
+      if (dof.type == DofType::Ball || rest == springRest_.end()) continue;
+      const double change = rest->second - dof.reference;
+      const Quat turn = dof.type == DofType::Hinge ? fromAxisAngle(dof.axis, change) : Quat{};
+      motion = motion * (dof.type == DofType::Slide ? Pose{change * dof.axis, {}}
+                                                    : Pose{dof.anchor - rotate(turn, dof.anchor), turn});
+    }
+    out = link.pose * motion * out;
+  }
+  return out;
+}
+
+template <class PoseOf, class At>
+double MjcfReader::lengthOf(const Tendon& tendon, PoseOf&& poseOf, At&& coordinateOf) const {
   double sum = 0;
-  const auto at = [&](std::size_t i) { return referencePose(tendon.path[i].link) * tendon.path[i].at; };
+  const auto at = [&](std::size_t i) { return poseOf(tendon.path[i].link) * tendon.path[i].at; };
   for (std::size_t i = 0; i + 1 < tendon.path.size(); ++i)
     sum += tendon.path[i].weight * length(at(i + 1) - at(i));
   for (const Tendon::Wrap& wrap : tendon.wraps) {
-    const Pose body = referencePose(wrap.link);
+    const Pose body = poseOf(wrap.link);
     const Vec3 center = body * wrap.center, guide = rotate(body.q, wrap.guide.value_or(Vec3{})),
                from = at(wrap.point) - center, to = at(wrap.point + 1) - center;
     const auto arc = host::wrapAround(from, to, rotate(body.q, wrap.axis), wrap.radius,
@@ -136,11 +156,24 @@ double MjcfReader::lengthInFile(const Tendon& tendon) const {
       sum += tendon.path[wrap.point].weight *
              (length(arc.begin - from) + arc.length + length(to - arc.end) - length(to - from));
   }
-  for (const Tendon::Term& term : tendon.terms)
-    sum += term.coefficient * model_.links[static_cast<std::size_t>(term.dof.first)]
-                                  .dofs[static_cast<std::size_t>(term.dof.second)]
-                                  .reference;
+  for (const Tendon::Term& term : tendon.terms) sum += term.coefficient * coordinateOf(term.dof);
   return sum;
+}
+
+double MjcfReader::lengthInFile(const Tendon& tendon) const {
+  return lengthOf(
+      tendon, [&](int link) { return referencePose(link); },
+      [&](const std::pair<int, int>& at) {
+        return model_.links[static_cast<std::size_t>(at.first)]
+            .dofs[static_cast<std::size_t>(at.second)]
+            .reference;
+      });
+}
+
+double MjcfReader::lengthAtRest(const Tendon& tendon) const {
+  return lengthOf(
+      tendon, [&](int link) { return restPose(link); },
+      [&](const std::pair<int, int>& at) { return springRest_.at(at); });
 }
 
 void MjcfReader::readTendonLock(const Tag& tag) {
