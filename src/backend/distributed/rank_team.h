@@ -29,6 +29,7 @@ class RankTeam final : public Engine {
   std::span<EngineQuery> queryRoom(std::size_t n) override { return first().queryRoom(n); }
   std::span<const EngineHit> hits(const EngineQueries& asked) override { return first().hits(asked); }
   EngineOverlaps overlaps(const EngineQueries& asked) override { return first().overlaps(asked); }
+  EngineAllHits allHits(const EngineQueries& asked) override { return first().allHits(asked); }
   ArrayView array(StateArray which) override { return first().array(which); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     each([&](Engine& e) { e.scatter(which, rows, values); });
