@@ -157,7 +157,7 @@ constexpr std::pair<const char*, const char*> kGroups[] = {
     {"body", "Special bodies"},
     {"basic", "Basics"},
 };
-std::size_t groupOf(const std::string& scene) {
+std::size_t pickerGroup(const std::string& scene) {
   const auto& tags = scenes::find(scene).tags;
   const auto* const group = std::ranges::find_if(
       kGroups, [&](const auto& entry) { return !tags.empty() && tags[0] == entry.first; });
@@ -175,7 +175,7 @@ std::vector<std::size_t> sceneChoices(const std::string& search, const std::vect
         found.push_back(i);
     return found;
   }
-  std::ranges::sort(found, {}, [&](std::size_t i) { return std::pair(groupOf(names[i]), names[i]); });
+  std::ranges::sort(found, {}, [&](std::size_t i) { return std::pair(pickerGroup(names[i]), names[i]); });
   return found;
 }
 
@@ -216,8 +216,8 @@ void drawPicker(UiState& uiState, const std::vector<std::string>& names) {
   std::size_t group = std::size(kGroups) + 1;
   for (int i = 0; i <= last; ++i) {
     const std::string& name = names[found[static_cast<std::size_t>(i)]];
-    if (uiState.search.empty() && groupOf(name) != group) {
-      group = groupOf(name);
+    if (uiState.search.empty() && pickerGroup(name) != group) {
+      group = pickerGroup(name);
       ImGui::TextDisabled("%s", group < std::size(kGroups) ? kGroups[group].second : "Others");
     }
     if (ImGui::Selectable(name.c_str(), i == uiState.choice)) chosen = name;

@@ -102,9 +102,11 @@ void shade() {
     float heat = 0.0;
     normal = (code & 32) != 0 ? unpackHeat(seen.y, heat) : unpackNormal(seen.y);
     if ((code & 64) != 0) albedo = heatColor(heat);
-    // A surface that is seen from behind is lit from there. Round bodies have no such side.
+    // A mesh that is seen from behind is lit from there. Round bodies have no such side, and of what deforms
+    // normals are smooth over edges, so that they may look away.
     float away = dot(normal, normalize(ray));
-    if (finish == kCloth ? away > 0.0 : !isRound && away > 0.1) normal = -normal;
+    bool isRigidMesh = !isRound && (code & 32) == 0;
+    if (finish == kCloth ? away > 0.0 : isRigidMesh && away > 0.1) normal = -normal;
     // Sectors in two shades make rolling visible.
     if (isRound) {
       float sectors = (local.x > 0.0 ? 1.0 : 0.0) + (local.y > 0.0 ? 1.0 : 0.0) + (local.z > 0.0 && size.w == 0.0 ? 1.0 : 0.0);
