@@ -95,6 +95,8 @@ template <class R> RUBBLE_HD constexpr Vec3T<R> rotateInverse(const QuatT<R>& q,
 template <class R> RUBBLE_HD inline QuatT<R> fromAxisAngle(const Vec3T<R>& axis, R angle) {
   return {std::cos(angle / 2), axis * std::sin(angle / 2)};
 }
+/// In double precision a function of the library, which has the same bits with every C library.
+QuatT<double> fromAxisAngle(const Vec3T<double>& axis, double angle);
 
 /// 3x3 matrix, stored by columns.
 template <class R> struct Mat3T {

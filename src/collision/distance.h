@@ -3,6 +3,7 @@
 /// of impact by conservative advancement (Mirtich 1996). In double precision, because a bullet is small
 /// compared with its displacement per step.
 #include "collision/convex.h"
+#include "math/trig.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -248,7 +249,9 @@ RUBBLE_HD inline double nextEnd(const SweptMotion& a, const SweptMotion& b, doub
 
 RUBBLE_HD inline Quatd turnOf(const Vec3d& w) {
   const double angle = length(w);
-  return angle > 0 ? fromAxisAngle(w / angle, angle) : Quatd{};
+  if (!(angle > 0)) return {};
+  const SinCosOf<double> half = sinCos(angle / 2);
+  return {half.cos, w / angle * half.sin};
 }
 
 RUBBLE_HD inline Placed movedBy(const Placed& s, const SweptMotion& motion, double fraction) {

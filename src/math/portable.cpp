@@ -1,5 +1,7 @@
 #include "math/portable.h"
 
+#include <rubble/math.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -218,3 +220,11 @@ double hypot(double x, double y, double z) {
 }
 
 }  // namespace rubble::portable
+
+namespace rubble {
+
+Quat fromAxisAngle(const Vec3& axis, double angle) {
+  return {portable::cos(angle / 2), axis * portable::sin(angle / 2)};
+}
+
+}  // namespace rubble

@@ -5,26 +5,25 @@
 
 namespace rubble::RUBBLE_CORE {
 
-struct SinCos {
-  Real sin, cos;
-};
+template <class R> struct SinCosOf { R sin, cos; };
+using SinCos = SinCosOf<Real>;
 
 /// Sine and cosine of x [rad]: within 2 ulp of 1 for |x| up to 1e6, within 1e-6 up to 1e9, and those of 1e9
 /// beyond. NaN and infinity give NaN.
-RUBBLE_HD inline SinCos sinCos(Real x) {
+template <class R> RUBBLE_HD SinCosOf<R> sinCos(R x) {
   // x = n pi/2 + r with |r| <= pi/4. pi/2 is split in two: n times the first part is exact for n below 2^20.
   constexpr double kHalfPiHigh = 1.57079632673412561417e+00, kHalfPiLow = 6.07710050650619224932e-11;
   constexpr double kTurns = .636619772367581343076, kLargest = 1e9;
-  const double wide = static_cast<double>(clamp(x, Real(-kLargest), Real(kLargest)));
+  const double wide = static_cast<double>(clamp(x, R(-kLargest), R(kLargest)));
   const double n = floor(wide * kTurns + .5);
-  const Real r = static_cast<Real>((wide - n * kHalfPiHigh) - n * kHalfPiLow) + (x - x);
+  const R r = static_cast<R>((wide - n * kHalfPiHigh) - n * kHalfPiLow) + (x - x);
   // nested Taylor series; the first omitted term is below 1e-9 (float) and 1e-18 (double)
-  constexpr int kTerms = sizeof(Real) == sizeof(float) ? 6 : 10;
-  const Real r2 = r * r;
-  Real sine = 1, cosine = 1;
+  constexpr int kTerms = sizeof(R) == sizeof(float) ? 6 : 10;
+  const R r2 = r * r;
+  R sine = 1, cosine = 1;
   for (int k = kTerms - 1; k > 0; --k) {
-    sine = Real(1) - r2 * (sine * (Real(1) / static_cast<Real>(2 * k * (2 * k + 1))));
-    cosine = Real(1) - r2 * (cosine * (Real(1) / static_cast<Real>(2 * k * (2 * k - 1))));
+    sine = R(1) - r2 * (sine * (R(1) / static_cast<R>(2 * k * (2 * k + 1))));
+    cosine = R(1) - r2 * (cosine * (R(1) / static_cast<R>(2 * k * (2 * k - 1))));
   }
   sine *= r;
   const double quarter = n - 4 * floor(n * .25);

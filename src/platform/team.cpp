@@ -11,7 +11,8 @@ namespace {
 /// Is this thread inside of a task?
 thread_local bool isInTask = false;
 
-/// Looks for work before a helper sleeps. Loops of a step follow one another within microseconds.
+/// Looks for work, or for its end, before a thread sleeps. Loops of a step follow one another within
+/// microseconds.
 constexpr int kLooks = 2000;
 
 }  // namespace
@@ -20,9 +21,11 @@ Team::Team(int threads)
     : threads_(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {}
 
 Team::~Team() {
-  stops_ = true;
-  ++loops_;
-  loops_.notify_all();
+  {
+    const std::lock_guard lock(mutex_);
+    stops_ = true;
+  }
+  wake_.notify_all();
   for (std::thread& helper : helpers_) helper.join();
 }
 
@@ -46,11 +49,19 @@ void Team::run(std::size_t count, Call call, void* context) {
   failed_ = false;
   count_ = count, left_ = count, call_ = call, context_ = context;
   ticket_ = loop << 32;
-  ++loops_;
-  loops_.notify_all();
+  {
+    const std::lock_guard lock(mutex_);
+    ++loops_;
+  }
+  wake_.notify_all();
   while (takeOne()) {
   }
-  for (std::size_t left = left_; left > 0; left = left_) left_.wait(left);
+  for (int looks = 0; left_ > 0 && looks < kLooks; ++looks) {
+  }
+  if (left_ > 0) {
+    std::unique_lock lock(mutex_);
+    done_.wait(lock, [this] { return left_ == 0; });
+  }
   // closed before another loop changes what a ticket stands for
   ticket_ = loop << 32 | kClosed;
   const std::exception_ptr failure = std::exchange(failure_, nullptr);
@@ -75,7 +86,10 @@ bool Team::takeOne() {
     if (!failed_.exchange(true)) failure_ = std::current_exception();
   }
   isInTask = false;
-  if (left_.fetch_sub(1) == 1) left_.notify_all();
+  if (left_.fetch_sub(1) == 1) {
+    const std::lock_guard lock(mutex_);
+    done_.notify_all();
+  }
   return true;
 }
 
@@ -84,7 +98,8 @@ void Team::work() {
     const std::uint32_t loops = loops_;
     int looks = 0;
     while (looks < kLooks && !stops_) looks = takeOne() ? 0 : looks + 1;
-    if (looks == kLooks) loops_.wait(loops);
+    std::unique_lock lock(mutex_);
+    if (looks == kLooks) wake_.wait(lock, [&] { return stops_ || loops_ != loops; });
   }
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 /// Threads for builds without oneTBB.
 #include <atomic>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <memory>
+#include <mutex>
 #include <thread>
 #include <type_traits>
 #include <vector>
@@ -48,8 +50,11 @@ class Team {
   std::atomic<std::size_t> count_{0};
   std::atomic<Call> call_{nullptr};
   std::atomic<void*> context_{nullptr};
-  std::atomic<std::size_t> left_{0};     ///< tasks that are not done
-  std::atomic<std::uint32_t> loops_{0};  ///< helpers wait for its next change
+  std::atomic<std::size_t> left_{0};  ///< tasks that are not done
+  std::atomic<std::uint32_t> loops_{0};
+  // Not std::atomic::wait, which loses wakes in GCC 12 where the system has no futex.
+  std::mutex mutex_;
+  std::condition_variable wake_, done_;
   std::atomic<bool> failed_{false};
   std::exception_ptr failure_;
 

@@ -112,24 +112,41 @@ class Lockstep : public ::testing::Test {
 /// A compiler's fault: behind an array of more than 64 bytes members were cleared as padding.
 TEST(CleanCopy, ClearsPaddingAndNothingElse) {
   struct Point {
-    double x, y, z;
+    double x = 0, y = 0, z = 0;
   };
   struct Element {
     Point point[3];
-    int head;
-    double tail[8];
-    char last;
+    int head = 0;
+    double tail[8] = {};
+    char last = 0;
   } element;
   std::memset(static_cast<void*>(&element), 0x5a, sizeof element);
   std::vector<std::byte> copy(sizeof element);
   copyClean(copy.data(), &element, sizeof element);
-#if defined(__has_builtin) && __has_builtin(__builtin_clear_padding)
+  const auto mask = valueMask<Element>();
   for (std::size_t i = 0; i < sizeof element; ++i) {
     const bool isPadding = (i >= offsetof(Element, head) + sizeof(int) && i < offsetof(Element, tail)) ||
                            i > offsetof(Element, last);
     EXPECT_EQ(copy[i], isPadding ? std::byte{0} : std::byte{0x5a}) << i;
+    EXPECT_EQ(mask[i], isPadding ? std::byte{0} : std::byte{0xff}) << i;
   }
-#endif
+}
+
+/// What compilers without __builtin_clear_padding clear, on records with much of it.
+TEST(CleanCopy, ClearsTheSamePaddingWithEveryCompiler) {
+  using namespace RUBBLE_CORE;
+  const auto check = []<class T>(const T*) {
+    std::vector<std::byte> ones(sizeof(T), std::byte{0xff}), copy(sizeof(T));
+    alignas(T) std::byte element[sizeof(T)];
+    std::memcpy(element, ones.data(), sizeof(T));
+    copyClean(copy.data(), reinterpret_cast<const T*>(element), sizeof(T));
+    const auto mask = valueMask<T>();
+    EXPECT_TRUE(std::equal(mask.begin(), mask.end(), copy.begin()));
+    EXPECT_TRUE(std::ranges::count(mask, std::byte{0}) > 0);
+  };
+  check(static_cast<const Joint<HingeJoint>*>(nullptr)),
+      check(static_cast<const JointSpec<BallJoint>*>(nullptr));
+  check(static_cast<const Tetrahedron*>(nullptr)), check(static_cast<const Attachment*>(nullptr));
 }
 
 TEST_F(Lockstep, FindsNothingWhereThereIsNothing) {

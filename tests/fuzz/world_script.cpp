@@ -53,15 +53,10 @@ class Fingerprint {
   std::uint64_t bits_ = 0xcbf29ce484222325ull;
 };
 
-/// Of all that is seen of a world. World::hash() of two worlds is the same only where the compiler clears the
-/// padding of structs.
+/// Of all that is seen of a world.
 std::uint64_t fingerprintOf(const World& world) {
   Fingerprint out;
-#if defined(__has_builtin)
-#if __has_builtin(__builtin_clear_padding)
   out.add(std::bit_cast<double>(world.hash()));
-#endif
-#endif
   for (const BodyId id : world.bodies()) {
     const BodyState s = world.state(id);
     out.add(s.position), out.add(s.orientation.s), out.add(s.orientation.v);
