@@ -18,6 +18,7 @@ LIMIT_S = 20
 SCENE = '{"bodies": [{"shape": {"type": "sphere", "radius": 1}}], "steps": 2}'
 MOST_CHARACTERS = 2000
 MOST_STOPPED = 0.01
+PROGRESS = re.compile(r": step \d+/\d+, ")
 SCENES = ["pyramid", "tower", "drop", "pendulum", "soft-flat", "door", "rope"]
 FILES = ["scene.json", "broken.json", "empty", "folder", "missing.json", "out.rubble", "p.png", "p.jpg",
          "f_%04d.png", "x.mp4", "a.csv", "-", "/dev/null", "/nowhere/x.png", "x.obj", "report.json", "m.xml"]
@@ -81,7 +82,8 @@ def fault_of(rubble, words, folder):
     said = done.stderr.decode("utf-8", "replace")
     if done.returncode not in (0, 1, 2):
         return f"status {done.returncode}: {said[-300:]}"
-    # progress on a pipe is a line for each tenth
+    # progress on a pipe, a line for each tenth of each run, is no message
+    said = "\n".join(line for line in said.splitlines() if not PROGRESS.search(line))
     if len(said) > MOST_CHARACTERS:
         return f"{len(said)} characters: {said[:200]}"
     if done.returncode == 2 and not said.strip():
