@@ -168,7 +168,9 @@ TEST(PairRule, LetsOnePairSlideAndTheOtherHold) {
     EXPECT_LT(std::fabs(world.state(world.bodyAt(2)).position.x), 2e-3) << backend;
     EXPECT_EQ(world.firstDifference(), "") << backend;
     if (backend == "cpu") hash = world.hash();
-    if (backend == "distributed") EXPECT_EQ(world.hash(), hash);
+    if (backend == "distributed") {
+      EXPECT_EQ(world.hash(), hash);
+    }
   }
 }
 
@@ -314,10 +316,11 @@ TEST(OneWay, DecidesOnceAndKeepsItUntilTheyPart) {
       World world(scene, options(10));
       test::run(world, 120);
       const double z = world.state(world.bodyAt(1)).position.z;
-      if (top > 2.4)
+      if (top > 2.4) {
         EXPECT_NEAR(z, 2.2, 0.02);
-      else
+      } else {
         EXPECT_LT(z, -1);
+      }
     }
 }
 
@@ -337,7 +340,9 @@ TEST(OneWay, HasTheSameBitsOnAllBackends) {
     test::run(world, 80);
     EXPECT_EQ(world.firstDifference(), "");
     if (backend == "cpu") hash = world.hash();
-    if (backend == "distributed") EXPECT_EQ(world.hash(), hash);
+    if (backend == "distributed") {
+      EXPECT_EQ(world.hash(), hash);
+    }
     for (std::size_t i = 1; i < scene.bodies.size(); ++i)
       EXPECT_GT(world.state(world.bodyAt(static_cast<int>(i))).position.z, 2) << i;
     for (const Vec3& v : world.positions(world.deformables()[0])) EXPECT_GT(v.z, 1.99);

@@ -279,7 +279,9 @@ TEST_P(Query, AllHitsOfShapesContainTheFirstAndTheOverlaps) {
     EXPECT_EQ(found, expected) << i;
     // what overlaps at the start is met at the start
     for (const CastHit& hit : all[i])
-      if (expected.contains(hit.body.index)) EXPECT_EQ(hit.fraction, 0) << i;
+      if (expected.contains(hit.body.index)) {
+        EXPECT_EQ(hit.fraction, 0) << i;
+      }
   }
   EXPECT_GT(several, 5u);
 }
