@@ -130,7 +130,7 @@ std::optional<ChunkReader::FullHead> ChunkReader::fullHead(std::uint64_t offset)
   head.storedSize = in.get<std::uint32_t>();
   head.contentSize = in.get<std::uint32_t>();
   head.checksum = in.get<std::uint32_t>();
-  if (in.get<std::uint32_t>() != checksum(bytes.data(), kHeadSize - 4))
+  if (in.get<std::uint32_t>() != crc32(bytes.data(), kHeadSize - 4))
     fail(offset, "the head of a chunk", "a wrong checksum");
   const bool known = head.codec == Codec::Zstd ||
                      (head.codec == Codec::None && head.storedSize == head.contentSize);

@@ -6,7 +6,7 @@
 #include <random>
 #include <system_error>
 
-#if __has_include(<sys/file.h>)
+#if !defined(_WIN32)
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>

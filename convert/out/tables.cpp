@@ -183,7 +183,7 @@ class Member {
   std::string name_;
   ScratchFile part_;
   std::ofstream out_;
-  uLong crc_ = 0;
+  std::uint32_t crc_ = 0;
   std::uint64_t size_ = 0, offset_ = 0;
 };
 
