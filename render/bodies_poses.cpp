@@ -115,7 +115,7 @@ void Bodies::setCore(std::vector<float> (&lows)[3], std::vector<float> (&highs)[
   core_ = {};
   if (lows[0].empty()) return;
   forEachTask(6, [&](std::size_t i) {
-    const std::size_t axis = i / 2;
+    const int axis = static_cast<int>(i) / 2;
     float unused = 0;
     if (i % 2 == 0)
       coreOf(lows[axis], core_.low[axis], unused);

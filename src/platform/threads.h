@@ -42,14 +42,12 @@ class Threads {
   explicit Threads(int count, TaskSystem tasks = {})
 #if defined(RUBBLE_HAS_TBB)
       : own_(count > 0 ? count : tbb::task_arena::automatic),
-        tasks_(std::move(tasks)) {
-  }
+        tasks_(std::move(tasks)){}
 #else
-      : own_(count),
-        tasks_(std::move(tasks)) {
+      : own_(count), tasks_(std::move(tasks)) {
   }
 #endif
-  Threads(const Threads&) = delete;
+        Threads(const Threads&) = delete;
   Threads& operator=(const Threads&) = delete;
 
   /// Most ranges that loops have use for.
