@@ -12,9 +12,9 @@ namespace {
 /// A sum of two numbers, the second below half an ulp of the first: 106 bits (Dekker 1971).
 struct Wide {
   double high = 0, low = 0;
-  Wide() = default;
-  Wide(double a) : high(a) {}
-  Wide(double a, double b) : high(a), low(b) {}
+  constexpr Wide() = default;
+  constexpr Wide(double a) : high(a) {}
+  constexpr Wide(double a, double b) : high(a), low(b) {}
 };
 
 /// a + b where |a| >= |b|
@@ -63,7 +63,7 @@ Wide scaled(const Wide& a, int exponent) {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
-const Wide kHalfPi{1.5707963267948966, 6.123233995736766e-17},
+constexpr Wide kHalfPi{1.5707963267948966, 6.123233995736766e-17},
     kLog2{0.6931471805599453, 2.3190468138462996e-17};
 /// pi/2 beyond kHalfPi
 constexpr double kHalfPiRest = -1.4973849048591833e-33;

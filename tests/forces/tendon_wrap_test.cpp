@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace rubble::host {
+namespace rubble::RUBBLE_CORE {
 namespace {
 
 struct Case {
@@ -117,4 +117,4 @@ TEST(TendonWrap, KeepsToTheSideOfItsGuide) {
 }
 
 }  // namespace
-}  // namespace rubble::host
+}  // namespace rubble::RUBBLE_CORE
