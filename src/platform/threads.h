@@ -82,19 +82,22 @@ class Threads {
 
 /// Calls f(k) for k = 0 .. n - 1, each a task of its own.
 template <class F> void forEachTask(std::size_t n, F&& f) {
+  const auto each = [&] {
+    for (std::size_t k = 0; k < n; ++k) f(k);
+  };
   if (const TaskSystem* const host = hostTasks()) {
+    if (host->parts == 1 || n == 0) return each();
     auto* own = &f;
     const auto task = [](void* context, int k) {
       (**static_cast<decltype(own)*>(context))(static_cast<std::size_t>(k));
     };
-    if (n > 0) host->run(static_cast<int>(n), task, &own);
-    return;
+    return host->run(static_cast<int>(n), task, &own);
   }
 #if defined(RUBBLE_HAS_TBB)
   tbb::parallel_for(std::size_t{0}, n, std::forward<F>(f), tbb::simple_partitioner{});
 #else
   if (Team* const team = currentOf<Team>()) return team->run(n, f);
-  for (std::size_t k = 0; k < n; ++k) f(k);
+  each();
 #endif
 }
 

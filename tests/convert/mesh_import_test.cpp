@@ -139,12 +139,7 @@ Outcome run(const convert::MeshScene& scene, int steps) {
   const std::vector<BodyId> pieces = world.bodies();
   std::vector<Vec3> start;
   for (const BodyId id : pieces) start.push_back(world.state(id).position);
-  for (int step = 0; step < steps; ++step) {
-    for (const Event& event : scene.file.scene.events)
-      if (event.step == step)
-        for (const BodyDef& body : event.add) world.addBody(body);
-    world.step();
-  }
+  for (int step = 0; step < steps; ++step) world.step();
   for (const JointId id : world.joints()) out.broken += world.state(id).broken;
   for (std::size_t i = 0; i < pieces.size(); ++i)
     out.moved = std::max(out.moved, length(world.state(pieces[i]).position - start[i]));

@@ -329,7 +329,7 @@ TEST(OneWay, HasTheSameBitsOnAllBackends) {
   for (const std::string backend : {"cpu", "lockstep", "distributed"}) {
     Scene scene = platform(Shape::sphere(0.2), {0, 0, 0.7}, {0, 0, 9});
     for (const Shape& shape : passengers()) {
-      BodyDef more = test::body(shape, {1. - 0.5 * double(scene.bodies.size()), 1, 2.6});
+      BodyDef more = test::body(shape, {1.2 - 0.4 * double(scene.bodies.size()), 1, 2.6});
       scene.bodies.push_back(more);
       more.position = {more.position.x, -1, 0.8}, more.velocity = {0, 0, 8};
       scene.bodies.push_back(more);

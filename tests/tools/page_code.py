@@ -15,7 +15,8 @@ BLOCK = re.compile(r"(?:<!-- ([^\n]*) -->\n)?^```(\w+)\n(.*?)^```", re.S | re.M)
 # What the blocks of a page go on from.
 BEFORE = {
     "docs/embedding.md": "rubble::Scene scene; rubble::WorldOptions options;"
-                         "static struct Host { void log(int, std::string_view) {} } host;",
+                         "static struct Host { void log(int, std::string_view) {} } host;"
+                         "static struct Jobs { void start(std::function<void()>) {} void wait() {} } jobs;",
     "docs/howto/arrays.md": "extern rubble::World& world;",
     "docs/joints.md": "using namespace rubble; Scene scene; Vec3 axis; int tip, leaf, shaft, output, sun,"
                       "planet, arm, finger, palm; double teethOfPlanet, teethOfSun;",
