@@ -21,7 +21,6 @@ concept HasValueAt = requires {
 /// For each byte of a T, which must be one without bit fields and with a constant default: 0xff, and 0 in
 /// padding.
 template <class T> constexpr std::array<std::byte, sizeof(T)> valueMask() {
-  static_assert(HasValueAt<T, 0>, "expected a type whose default is a constant and begins with a member");
   return []<std::size_t... I>(std::index_sequence<I...>) {
     return std::array<std::byte, sizeof(T)>{(HasValueAt<T, I> ? std::byte{0xff} : std::byte{0})...};
   }
@@ -34,7 +33,8 @@ template <class T> constexpr std::array<std::byte, sizeof(T)> valueMask() {
 #endif
 #endif
 
-/// Copies elements with zeroed padding, which carries no state but is hashed.
+/// Copies elements with zeroed padding, which carries no state but is hashed. Clang 14 cannot say where that
+/// of some types is, and keeps it.
 template <class T> void copyClean(std::byte* to, const T* from, std::size_t bytes) {
   for (std::size_t i = 0; i < bytes / sizeof(T); ++i) {
     alignas(T) std::byte element[sizeof(T)];
@@ -42,7 +42,7 @@ template <class T> void copyClean(std::byte* to, const T* from, std::size_t byte
 #if defined(RUBBLE_CLEARS_PADDING)
     __builtin_clear_padding(reinterpret_cast<Alone<T>*>(element));
 #else
-    if constexpr (!std::has_unique_object_representations_v<T> && !std::is_floating_point_v<T>) {
+    if constexpr (!std::has_unique_object_representations_v<T> && HasValueAt<T, 0>) {
       static constexpr std::array<std::byte, sizeof(T)> kMask = valueMask<T>();
       for (std::size_t k = 0; k < sizeof(T); ++k) element[k] &= kMask[k];
     }
