@@ -24,8 +24,8 @@ for name in sorted(exported - declared):
     print(f"exported but not declared: {name}")
 print(f"{len(exported)} functions are exported")
 
-# Functions of the C library that act on the whole process, or write to its console. Not chdir: a header of assimp has an inline
-# function with it, which nothing calls.
+# Functions of the C library that act on the whole process, or write to its console. Not chdir: a header of
+# assimp has an inline function with it, which nothing calls.
 PROCESS = re.compile(r"^(signal|sigaction|sigprocmask|setlocale|_?exit|quick_exit|fork|system|popen|"
                      r"setenv|putenv|v?printf|v?fprintf|__v?f?printf_chk|puts|putchar|perror|stdout|stderr)$")
 needed = subprocess.run(["nm", "-D", "--undefined-only", library], check=True, capture_output=True,

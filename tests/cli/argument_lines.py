@@ -23,7 +23,8 @@ SCENES = ["pyramid", "tower", "drop", "pendulum", "soft-flat", "door", "rope"]
 FILES = ["scene.json", "broken.json", "empty", "folder", "missing.json", "out.rubble", "p.png", "p.jpg",
          "f_%04d.png", "x.mp4", "a.csv", "-", "/dev/null", "/nowhere/x.png", "x.obj", "report.json", "m.xml"]
 ODD = ["", " ", "-1", "0", "1", "3", "1e9", "1e999", "nan", "inf", "-inf", "abc", "0x10", "1,2,3", "1,2",
-       "a=b", "base=3", "base=", "=3", "base=1e300", "K=5", "iterations=0", "%s%n", "\u00e9\u4e2d", "x" * 300, "--",
+       "a=b", "base=3", "base=", "=3", "base=1e300", "K=5", "iterations=0", "%s%n", "\u00e9\u4e2d",
+       "x" * 300, "--",
        "cpu", "cuda", "320x0", "64x36", "-5x5", "99999999999999999999", "'", "\"", "\\", "\t", "body",
        "speed", "contacts,forces", "red", "ff00ff"]
 

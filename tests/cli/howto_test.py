@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Runs the commands of pages as they stand there. Usage: howto_test.py PATH_OF_RUBBLE
 
-A block after `<!-- run -->` is commands, after `<!-- run 1 -->` one that ends with status 1, and after the name of
+A block after `<!-- run -->` is commands, after `<!-- run 1 -->` one that ends with status 1, and after
+the name of
 a file its content."""
 import json
 import os

@@ -19,7 +19,8 @@ def pixels(file):
     for y in range(height):
         method, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
         for i in range(stride):
-            left, up, corner = line[i - each] if i >= each else 0, above[i], above[i - each] if i >= each else 0
+            left, corner = (line[i - each], above[i - each]) if i >= each else (0, 0)
+            up = above[i]
             both = abs(left + up - 2 * corner)
             nearest = min((abs(up - corner), 0, left), (abs(left - corner), 1, up), (both, 2, corner))[2]
             line[i] = (line[i] + (0, left, up, (left + up) // 2, nearest)[method]) & 255

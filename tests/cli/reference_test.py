@@ -63,7 +63,8 @@ class Reference(unittest.TestCase):
     def test_what_the_schema_refuses_the_program_refuses(self):
         box = {"shape": {"type": "box", "size": [1, 1, 1]}}
         wrong = [{}, {"bodies": [{}]}, {"bodies": [{**box, "colour": 1}]},
-                 {"bodies": [{**box, "position": [0, 0]}]}, {"bodies": [{**box, "motion": "still"}]}, {"bodies": [{"shape": {"type": "cube"}}]},
+                 {"bodies": [{**box, "position": [0, 0]}]}, {"bodies": [{**box, "motion": "still"}]},
+                 {"bodies": [{"shape": {"type": "cube"}}]},
                  {"bodies": [box], "steps": "many"}, {"bodies": [box], "joints": [{"type": "glue"}]},
                  {"bodies": [box], "verdict": [{"max": 1}]},
                  {"bodies": [{"shape": {"type": "sphere", "size": 1}}]}]

@@ -185,9 +185,11 @@ def compare_tendons(model, scene, name):
                 check(f"{name} rest length: {label}", axis.get("target_position", 0),
                       model.tendon_lengthspring[index, 0])
         if model.tendon_limited[index] and own.get("path"):
-            check(f"{name} tendon range: {label}", [axis.get("min"), axis.get("max")], model.tendon_range[index])
+            check(f"{name} tendon range: {label}", [axis.get("min"), axis.get("max")],
+                  model.tendon_range[index])
         check(f"{name} tendon friction: {label}", axis.get("friction", 0), model.tendon_frictionloss[index])
-        check(f"{name} tendon damping: {label}", axis.get("damping", 0), np.ravel(model.tendon_damping[index])[0])
+        check(f"{name} tendon damping: {label}", axis.get("damping", 0),
+              np.ravel(model.tendon_damping[index])[0])
         check(f"{name} tendon armature: {label}", axis.get("armature", 0), model.tendon_armature[index])
 
 

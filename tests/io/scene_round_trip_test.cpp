@@ -393,9 +393,9 @@ TEST(SceneJson, GivesMaterialsTheirKeysAsNames) {
   EXPECT_EQ(read.scene.bodies[1].material.name, "");
   EXPECT_EQ(read.scene.bodies[2].material.name, "ice");
   EXPECT_EQ(read.scene.materialPairs[0].dynamicFriction, 0.05);
-  parseScene(
-      R"({"bodies": [], "material_pairs": [{"a": "ice"}, {"a": "x", "b": "y", "friction": -1}, {"a": "x", "b": 3}]})",
-      faults);
+  parseScene(R"({"bodies": [], "material_pairs": [{"a": "ice"}, {"a": "x", "b": "y", "friction": -1}, )"
+             R"({"a": "x", "b": 3}]})",
+             faults);
   EXPECT_EQ(faults.size(), 3u);
 }
 

@@ -35,18 +35,23 @@ class CheckTest(unittest.TestCase):
 
 class Portability(CheckTest):
     def test_what_an_if_asks_for_may_stand(self):
-        self.plant("src/a.h", "#if defined(__GNUC__)\nusing A = int __attribute__((vector_size(16)));\n#else\n#endif\n"
-                              "#if defined(_WIN32)\n#else\n#include <unistd.h>\n#endif\n#pragma once\n// __builtin_x\n")
-        self.plant("include/rubble/compiler.h", "#if defined(__GNUC__)\n#define NEAR __attribute__((x))\n#endif\n")
+        self.plant("src/a.h", "#if defined(__GNUC__)\nusing A = int __attribute__((vector_size(16)));\n"
+                               "#else\n#endif\n"
+                              "#if defined(_WIN32)\n#else\n#include <unistd.h>\n#endif\n#pragma once\n"
+                               "// __builtin_x\n")
+        self.plant("include/rubble/compiler.h",
+                   "#if defined(__GNUC__)\n#define NEAR __attribute__((x))\n#endif\n")
         self.assert_clean("portability")
 
     def test_words_of_compilers_in_the_open_are_found(self):
-        for word in ("__attribute__((x))", "__builtin_prefetch(p)", "[[gnu::x]]", "__PRETTY_FUNCTION__", "#pragma GCC x", "__forceinline"):
+        for word in ("__attribute__((x))", "__builtin_prefetch(p)", "[[gnu::x]]", "__PRETTY_FUNCTION__",
+                     "#pragma GCC x", "__forceinline"):
             self.plant("src/a.cpp", f"#if defined(__GNUC__)\n#endif\n{word}\n")
             self.assert_finds("portability", "src/a.cpp:3:", "of one compiler")
 
     def test_words_of_systems_in_the_open_are_found(self):
-        for word in ("#include <unistd.h>", "#include <sys/file.h>", "fork();", 'open("/proc/self/status");', "sysconf(1);"):
+        for word in ("#include <unistd.h>", "#include <sys/file.h>", "fork();",
+                     'open("/proc/self/status");', "sysconf(1);"):
             self.plant("io/a.cpp", f"{word}\n")
             self.assert_finds("portability", "io/a.cpp:1:", "of one system")
 
@@ -57,7 +62,8 @@ class Portability(CheckTest):
 
 class Help(CheckTest):
     def test_every_check_explains_itself(self):
-        for name in ("abi", "layers", "equations", "links", "pages", "portability", "sizes", "units", "words"):
+        for name in ("abi", "layers", "equations", "links", "pages", "portability", "sizes", "units",
+                     "words"):
             result = self.run_check(name, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Checks that", result.stdout)
@@ -233,7 +239,8 @@ class Links(CheckTest):
 class Pages(CheckTest):
     def test_finds_long_sentences_and_history(self):
         self.plant("docs/a.md", "# A\n\n" + "word " * 36 + ".\n\nIt was red until then.\n")
-        self.assert_finds("pages", "docs/a.md:3: a sentence of 36 words", "'was' tells history", "'until then'")
+        self.assert_finds("pages", "docs/a.md:3: a sentence of 36 words", "'was' tells history",
+                          "'until then'")
 
     def test_leaves_code_tables_and_logs_alone(self):
         self.plant("docs/b.md", "```\nit was " + "word " * 40 + "\n```\n\n| it was |\n\nShort `was` here.\n")

@@ -11,7 +11,8 @@ class GoldenTable(unittest.TestCase):
         rows = [line.split() for line in (ROOT / "tests/golden.txt").read_text(encoding="utf-8").splitlines()
                 if line and not line.startswith("#")]
         page = (ROOT / "docs/determinism.md").read_text(encoding="utf-8")
-        table = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines() if line.startswith("|")]
+        table = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines()
+                 if line.startswith("|")]
         steps = {30: 3, 300: 4}
         counted = 0
         for cells in table:

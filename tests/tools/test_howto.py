@@ -47,9 +47,11 @@ class HowTo(unittest.TestCase):
         for scene, bodies, settled, smash in rows:
             def near(record, name, text):
                 found = (record.get(name) or {}).get("mean")
-                return found is not None and abs(found - float(text)) <= 0.51 * 10 ** -len(text.partition(".")[2])
+                digits = len(text.partition(".")[2])
+                return found is not None and abs(found - float(text)) <= 0.51 * 10 ** -digits
             self.assertTrue(any(r["scene"] == scene and r["bodies"] == int(bodies.replace(",", ""))
-                                and near(r, "settled_ms", settled) and near(r, "smash_ms", smash) for r in known),
+                                and near(r, "settled_ms", settled) and near(r, "smash_ms", smash)
+                                for r in known),
                             f"{scene}: {settled} and {smash} ms are in no record")
 
 
