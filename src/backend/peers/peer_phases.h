@@ -86,6 +86,8 @@ template <class M> void plan(M& m) {
     m.each(FindSliceOwners{{p}}, &Counters::slices);
     m.select(PeerList::Slices, OwnSlice{p}, &Counters::slices);
     m.eachOf(PeerList::Slices, SeeSlices{{p}});
+    // joints begin the step after the last barrier
+    if (s.hasJoints()) m.barrier();
     m.select(PeerList::ExtraRows, ExtraRow{p}, &Counters::manifolds);
     m.eachOf(PeerList::ExtraRows, TakeExtraRows{{p}});
   }
