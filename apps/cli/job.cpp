@@ -150,6 +150,12 @@ void addBackendOptions(CLI::App& app, JobOptions& options) {
                  "Ranks of the backend 'distributed', as threads; 0: the processes of mpirun")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  addGpuOption(app, options);
+}
+
+void addGpuOption(CLI::App& app, JobOptions& options) {
+  app.add_option("--gpus", options.gpus, "GPUs that step the world together, in place of a backend")
+      ->check(aboveZero());
 }
 
 std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare) {
@@ -209,7 +215,9 @@ scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& ar
 }
 
 PreparedJob prepareJob(const JobOptions& options) {
-  const std::string backend = options.backend.empty() ? bestBackend() : options.backend;
+  const std::string backend = options.gpus > 0          ? "distributed"
+                              : options.backend.empty() ? bestBackend()
+                                                        : options.backend;
   checkBackend(backend);
   PreparedJob prepared;
   prepared.title = options.arguments.empty()
@@ -219,6 +227,7 @@ PreparedJob prepareJob(const JobOptions& options) {
   prepared.world.backend = backend;
   prepared.world.threads = options.threads;
   prepared.world.ranks.count = options.ranks;
+  for (int device = 0; device < options.gpus; ++device) prepared.world.ranks.devices.push_back(device);
   prepared.world.params = paramsOf(options, prepared.job);
   prepared.steps = options.steps ? *options.steps : stepsOf(prepared.job, prepared.world.params.dt);
   return prepared;

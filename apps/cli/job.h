@@ -23,7 +23,7 @@ struct JobOptions {
   std::optional<double> dt;     ///< [s]
   std::string backend = "cpu";  ///< "": bestBackend()
   std::string preset = "engine";
-  int threads = 0, ranks = 0;
+  int threads = 0, ranks = 0, gpus = 0;
 };
 
 /// Adds the options to a subcommand. `scene` is left to the caller, which knows whether it takes one or
@@ -31,6 +31,8 @@ struct JobOptions {
 void addArgumentOptions(CLI::App& app, JobOptions& options);
 void addSolverOptions(CLI::App& app, JobOptions& options);
 void addBackendOptions(CLI::App& app, JobOptions& options);
+/// --gpus, for commands that name their backend in another way.
+void addGpuOption(CLI::App& app, JobOptions& options);
 
 /// Throws Error if this machine or build has no such backend.
 void checkBackend(const std::string& backend);

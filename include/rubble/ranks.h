@@ -6,6 +6,13 @@
 
 namespace rubble {
 
+/// How ranks exchange poses, sums and rows.
+enum class RankExchange {
+  Messages,
+  Stores,        ///< into one another's memory; ranks are threads of this process
+  StoresInTurns  ///< the same, one rank at a time, in an order that changes: finds reads that come too late
+};
+
 /// How a world is divided among ranks. Results do not depend on it.
 struct RankOptions {
   /// Ranks as threads of this process. 0: the processes that mpirun started, or one rank.
@@ -14,6 +21,10 @@ struct RankOptions {
   int cutInterval = 0;
   /// Largest cost of a rank over the mean of all, less 1, above which bodies are divided anew [1].
   double maxImbalance = .15;
+  RankExchange exchange = RankExchange::Messages;
+  /// GPUs of this process that step the world together, one rank each; one that is named twice has two ranks.
+  /// `count` and `exchange` do not matter then. Empty: ranks are on the CPU.
+  std::vector<int> devices = {};
   /// Longest wait for another rank; then the step throws Error [s].
   double timeout = 60;
 };

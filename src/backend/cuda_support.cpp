@@ -1,7 +1,7 @@
 // Interface of the CUDA backend to the rest of the library, whether or not it is built.
 #include <rubble/info.h>
 
-#include "backend/engine.h"
+#include "backend/cuda_team.h"
 
 namespace rubble {
 
@@ -11,6 +11,7 @@ namespace f32 {
 std::string deviceStatus();
 bool deviceReady();
 std::unique_ptr<Engine> makeCudaEngine(bool timings);
+std::unique_ptr<Engine> makeCudaTeam(const RankOptions& ranks, bool timings);
 }  // namespace f32
 
 std::string cudaStatus() { return f32::deviceStatus(); }
@@ -21,12 +22,16 @@ bool cudaReady() {
 std::unique_ptr<Engine> makeCudaEngine(bool timings) {
   return cudaReady() ? f32::makeCudaEngine(timings) : nullptr;
 }
+std::unique_ptr<Engine> makeCudaTeam(const RankOptions& ranks, bool timings) {
+  return f32::makeCudaTeam(ranks, timings);
+}
 
 #else
 
 std::string cudaStatus() { return "off: built without CUDA"; }
 bool cudaReady() { return false; }
 std::unique_ptr<Engine> makeCudaEngine(bool) { return nullptr; }
+std::unique_ptr<Engine> makeCudaTeam(const RankOptions&, bool) { return nullptr; }
 
 #endif
 

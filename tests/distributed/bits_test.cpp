@@ -41,10 +41,12 @@ WorldOptions optionsOf(const scenes::Job& job) {
   options.params.dt = job.dt;
   return options;
 }
-WorldOptions onRanks(WorldOptions options, int ranks, int cutInterval = 0) {
+WorldOptions onRanks(WorldOptions options, int ranks, int cutInterval = 0,
+                     RankExchange exchange = RankExchange::Messages) {
   options.backend = "distributed";
   options.ranks.count = ranks;
   options.ranks.cutInterval = cutInterval;
+  options.ranks.exchange = exchange;
   return options;
 }
 
@@ -124,9 +126,10 @@ TEST_P(ScenesOnRanks, HaveTheBitsOfOne) {
   const Sample sample = GetParam();
   const Maker make = maker<std::string>(sample.scene);
   const WorldOptions options = optionsOf(make());
-  EXPECT_EQ(Course(make, options, sample.steps)
-                .differenceOf(make, onRanks(options, sample.ranks, sample.cutInterval)),
-            "");
+  const Course one(make, options, sample.steps);
+  for (const RankExchange exchange : {RankExchange::Messages, RankExchange::StoresInTurns})
+    EXPECT_EQ(one.differenceOf(make, onRanks(options, sample.ranks, sample.cutInterval, exchange)), "")
+        << static_cast<int>(exchange);
 }
 INSTANTIATE_TEST_SUITE_P(Samples, ScenesOnRanks,
                          ::testing::Values(Sample{"pile-1k", 10, 3, 2}, Sample{"gables", 8, 7, 3},
@@ -136,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(Samples, ScenesOnRanks,
                                            Sample{"bullet-plate", 12, 2, 1}, Sample{"tumbler", 8, 3, 2},
                                            Sample{"rolling", 8, 2, 3}, Sample{"every-shape", 8, 3, 2},
                                            Sample{"sleepers", 40, 3, 6}, Sample{"soft-blocks", 6, 3, 2},
-                                           Sample{"mixed-trampoline", 6, 4, 2}),
+                                           Sample{"mixed-trampoline", 6, 4, 2}, Sample{"jenga", 4, 3, 0}),
                          [](const auto& info) {
                            std::string name = info.param.scene;
                            std::erase_if(name, [](unsigned char c) { return !std::isalnum(c); });
@@ -208,6 +211,10 @@ TEST(Ranks, OwnAllBodiesAndReportTheirCosts) {
 
 // Long: every scene, every number of ranks.
 
+RankExchange exchangeByStores(int ranks) {
+  return ranks % 2 == 0 ? RankExchange::Stores : RankExchange::StoresInTurns;
+}
+
 std::vector<std::string> names() {
   std::vector<std::string> out;
   for (const scenes::Spec& spec : scenes::registry()) out.push_back(spec.name);
@@ -220,8 +227,9 @@ TEST_P(LongRanks, HaveTheBitsOfOne) {
   const Course one(make, options, 32);
   for (const int ranks : {1, 2, 3, 4, 7})
     for (const int cutInterval : ranks == 3 ? std::vector{1, 5} : std::vector{0})
-      EXPECT_EQ(one.differenceOf(make, onRanks(options, ranks, cutInterval)), "")
-          << ranks << " ranks, cut interval " << cutInterval;
+      for (const RankExchange exchange : {RankExchange::Messages, exchangeByStores(ranks)})
+        EXPECT_EQ(one.differenceOf(make, onRanks(options, ranks, cutInterval, exchange)), "")
+            << ranks << " ranks, cut interval " << cutInterval << ", exchange " << static_cast<int>(exchange);
 }
 INSTANTIATE_TEST_SUITE_P(LongRegistry, LongRanks, ::testing::ValuesIn(names()), [](const auto& info) {
   std::string name = info.param;

@@ -1,4 +1,5 @@
 /// A rank that fails, or does not answer, ends the step of all with an error that names it.
+#include <backend/distributed/rank_lists.h>
 #include <backend/distributed/rank_team.h>
 #include <cook/cook.h>
 #include <gtest/gtest.h>

@@ -2,6 +2,7 @@
 /// Kernels of the coarse correction. A tile of lanes per slice strides over nodes, constraints, points or
 /// slices.
 #include "backend/cuda/long_list_kernels.cuh"
+#include "backend/peers/peer_data.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -35,15 +36,21 @@ __host__ __device__ inline int sliceWidth(const SolverData& s, int level) {
 /// to arrive adds up all children of a node, in index order. kSumLevels levels cover kSmallWidth^8 slices.
 inline constexpr int kSumLevels = 8;
 struct SumTree {
-  /// [kSumLevels][slices] number of children that have arrived. Zero between kernels.
+  /// [kSumLevels][slices] number of children that have arrived. Zero between kernels. Null: sums of slices go
+  /// to other devices before they are passed on (PassSumsOn).
   int* tickets;
   int slices;
+  PeerOwners owners{};  ///< of slices
 
   /// Passes the sum of slice `c` up the reduction tree. Returns true in the tile that completes the
   /// aggregate.
   template <int kWidth>
   __device__ bool carryUp(const SolverData& s, const Aggregate& aggregate, int c, const Tile<kWidth>& tile,
                           Real (&sum)[kRealsPerLane<kWidth>]) const {
+    if (!tickets) {
+      storeSums(tile, sum, s.slice[c].sum);
+      return false;
+    }
     int place = c - aggregate.sliceBegin, count = aggregate.sliceEnd - aggregate.sliceBegin, stride = 1;
     for (int level = 0; count > 1; ++level) {
       storeSums(tile, sum, s.slice[aggregate.sliceBegin + place * stride].sum);
@@ -281,7 +288,9 @@ __global__ void __launch_bounds__(kThreads, 6)
               int level, bool softOnly, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
-  const auto isLeft = [&](int i) { return softOnly && !s.aggregate[s.slice[i].aggregate].soft; };
+  const auto isLeft = [&](int i) {
+    return (softOnly && !s.aggregate[s.slice[i].aggregate].soft) || !tree.owners.isMine(i);
+  };
   __shared__ Real warpSums[kThreads / kWarp][kWarp];
   const int begin = s.levelSlice[level], end = s.levelSlice[level + 1],
             block = static_cast<int>(blockIdx.x) - longBlocks;
@@ -306,6 +315,24 @@ __global__ void __launch_bounds__(kThreads, 6)
   }
 }
 
+/// The second half of sumSlices, once all devices have the sums of all slices: in the same order.
+template <int kTile>
+__global__ void __launch_bounds__(kThreads) passSumsOn(const __grid_constant__ SolverData s, SumTree tree,
+                                                       Count slices, int level, bool softOnly, Gate gate) {
+  awaitPrevious();
+  if (gate.closed()) return;
+  const Tile<kTile> tile = Tile<kTile>::ofThread();
+  const int n = slices.get(), stride = static_cast<int>(gridDim.x) * (kThreads / kTile);
+  for (int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x) / kTile; k < n; k += stride) {
+    const int i = slices.list[k];
+    Aggregate& aggregate = s.aggregate[s.slice[i].aggregate];
+    if (aggregate.level != level || (softOnly && !aggregate.soft)) continue;
+    Real sums[kRealsPerLane<kTile>];
+    loadSums(tile, s.slice[i].sum, sums);
+    handOn(s, tree, i, aggregate, tile, sums);
+  }
+}
+
 /// MoveSlice for all slices of a level, one thread per body. Bodies are contiguous in memory, the nodes of an
 /// aggregate are not.
 struct MoveNode {
@@ -316,6 +343,16 @@ struct MoveNode {
     if (const int aggregate = s.aggregateOf[atLevel(s, level, body)];
         aggregate >= 0 && (!softOnly || s.aggregate[aggregate].soft))
       moveWithAggregate(s, s.aggregate[aggregate], body);
+  }
+};
+
+/// The same for the bodies that this device sees.
+struct MoveSeenNode {
+  static constexpr const char* kStage = MoveSlice::kStage;
+  MoveNode move;
+  PeerData p;
+  __device__ void operator()(const SolverData& s, int body) const {
+    if (p.isSeen(body)) move(s, body);
   }
 };
 

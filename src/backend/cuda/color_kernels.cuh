@@ -12,15 +12,16 @@ inline constexpr int kColorNodes = kThreads * kNodesPerThread;
 /// Classes of nodes within a color by amount of work, most first.
 inline constexpr int kWorkClasses = 4, kColorBins = kSharedColors * kWorkClasses;
 struct ColorBins {
-  int* population;  ///< [kSharedColors][kWorkClasses]
-  int* filled;      ///< nodes placed so far
+  int* population;            ///< [kSharedColors][kWorkClasses]
+  int* filled;                ///< nodes placed so far
+  const PeerOwners owners{};  ///< of bodies
 };
 
 /// Bodies except those of high degree, which other blocks solve. Classes by number of constraints.
 struct ColoredBodies {
   using Fill = FillColors;
-  __device__ static bool has(const SolverData& s, int i) {
-    return i < s.bodies && isSwept(s, i) && !isHighDegree(s, i);
+  __device__ static bool has(const SolverData& s, int i, const PeerOwners& owners) {
+    return i < s.bodies && owners.isMine(i) && isSwept(s, i) && !isHighDegree(s, i);
   }
   __device__ static int colorOf(const SolverData& s, int i) { return s.color[i]; }
   __device__ static int classOf(const SolverData& s, int i) {
@@ -35,7 +36,9 @@ struct ColoredBodies {
 /// rounds of eight lanes.
 struct ColoredVertices {
   using Fill = FillVertexColors;
-  __device__ static bool has(const SolverData& s, int v) { return v < s.vertices && isDynamicVertex(s, v); }
+  __device__ static bool has(const SolverData& s, int v, const PeerOwners&) {
+    return v < s.vertices && isDynamicVertex(s, v);
+  }
   __device__ static int colorOf(const SolverData& s, int v) { return s.vertexColor[v]; }
   __device__ static int classOf(const SolverData& s, int v) {
     const auto size = [v](const int* offset) { return offset[v + 1] - offset[v]; };
@@ -48,8 +51,8 @@ struct ColoredVertices {
 };
 
 /// The bin of node i, or -1 if it has none. Bins from kColorBins on are nodes of higher colors.
-template <class Nodes> __device__ int binOf(const SolverData& s, int i) {
-  return Nodes::has(s, i) ? Nodes::colorOf(s, i) * kWorkClasses + Nodes::classOf(s, i) : -1;
+template <class Nodes> __device__ int binOf(const SolverData& s, int i, const PeerOwners& owners) {
+  return Nodes::has(s, i, owners) ? Nodes::colorOf(s, i) * kWorkClasses + Nodes::classOf(s, i) : -1;
 }
 
 /// CountColors or CountVertexColors.
@@ -65,7 +68,7 @@ static __global__ void __launch_bounds__(kThreads)
   const int first = static_cast<int>(blockIdx.x) * kColorNodes + static_cast<int>(threadIdx.x);
   int bin[kNodesPerThread];
 #pragma unroll
-  for (int k = 0; k < kNodesPerThread; ++k) bin[k] = binOf<Nodes>(s, first + k * kThreads);
+  for (int k = 0; k < kNodesPerThread; ++k) bin[k] = binOf<Nodes>(s, first + k * kThreads, bins.owners);
 #pragma unroll
   for (int k = 0; k < kNodesPerThread; ++k)
     if (const int b = bin[k]; b >= 0)
@@ -90,7 +93,7 @@ static __global__ void __launch_bounds__(kThreads)
   const int first = static_cast<int>(blockIdx.x) * kColorNodes + static_cast<int>(threadIdx.x);
   int bin[kNodesPerThread], rank[kNodesPerThread];
 #pragma unroll
-  for (int k = 0; k < kNodesPerThread; ++k) bin[k] = binOf<Nodes>(s, first + k * kThreads);
+  for (int k = 0; k < kNodesPerThread; ++k) bin[k] = binOf<Nodes>(s, first + k * kThreads, bins.owners);
 #pragma unroll
   for (int k = 0; k < kNodesPerThread; ++k)
     if (bin[k] >= 0 && bin[k] < kColorBins) rank[k] = atomicAdd(&count[bin[k]], 1);

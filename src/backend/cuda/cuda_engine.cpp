@@ -34,6 +34,7 @@ void CudaEngine::step(StepReport& report) {
   nvtxRangePushA("rubble step");
   host().trees.update(host(), mirror_.treeChanges());
   host().view().bodiesMove = dynamicCount_ > 0;
+  host().view().fixedOrder |= divided_;
   for (int k = 0; k < settings_.params.substeps; ++k) {
     prepareConstants();
     mirror_.flush();
@@ -96,7 +97,7 @@ void CudaEngine::write(const SetBody& e) {
 }
 
 std::shared_ptr<const EngineSnapshot> CudaEngine::snapshot() {
-  if (host().view().vertices == 0) return mirror_.snapshot(previousDt_);
+  if (host().view().vertices == 0 && !divided_) return mirror_.snapshot(previousDt_);
   mirror_.fetchAll();
   return std::make_shared<SavedState>(saveState(host(), previousDt_));
 }

@@ -87,9 +87,22 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
     mirror_.fetchAll();
     return hashTables(host(), hashOf);
   }
-  /// With vertices through the host: device snapshots contain only bodies and joints.
+  /// With vertices through the host: device snapshots contain only bodies and joints. Also on several GPUs.
   std::shared_ptr<const EngineSnapshot> snapshot() override;
   void restore(const EngineSnapshot& snapshot) override;
+
+  // One rank of a world on several GPUs. Sums have one order then, on any number of them.
+  void divide(Transport& transport, const RankOptions& options) {
+    stepper_.divide(transport, options);
+    divided_ = true;
+  }
+  void gatherState() {
+    mirror_.flush();
+    stepper_.gatherState(host().view());
+    mirror_.gathered();
+  }
+  void restart() { stepper_.restart(); }
+  std::vector<RankReport> reports() const { return stepper_.reports(); }
 
   // Worlds of a batch (cuda_batch.cpp). With vertices their states go through the host.
   BatchEngine* batch() override { return this; }
@@ -194,6 +207,7 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   std::vector<WorldPart> parts_;
   std::vector<int> changedWorlds_;  ///< worlds whose settings have changed
   std::optional<HostReader> worldReader_;
+  bool divided_ = false;    ///< this is one of several ranks
   bool hasPaused_ = false;  ///< some step has left out worlds; from then on all steps have this ability
 };
 

@@ -1,36 +1,30 @@
 #pragma once
 /// The executor for CUDA: the step as kernels of one stream. Every call enqueues work and returns. Counts
 /// stay on the device.
-#include <thrust/iterator/counting_iterator.h>
-#include <thrust/iterator/transform_iterator.h>
-#include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_scan.cuh>
-
 #include <algorithm>
-#include <bit>
 #include <limits>
 
 #include "backend/cuda/aggregate_kernels.cuh"
 #include "backend/cuda/cluster_kernels.cuh"
 #include "backend/cuda/color_kernels.cuh"
 #include "backend/cuda/contact_kernels.cuh"
-#include "backend/cuda/kernel_launcher.cuh"
+#include "backend/cuda/cuda_peers.h"
 #include "backend/cuda/pair_kernels.cuh"
 #include "backend/cuda/point_kernels.cuh"
+#include "backend/cuda/scan_launcher.cuh"
 #include "backend/cuda/strand_kernels.cuh"
 #include "backend/cuda/strict_kernels.cuh"
 #include "backend/cuda/tree_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-class CudaExecutor : private KernelLauncher {
+class CudaExecutor : private ScanLauncher {
  public:
   using Lane = Real;
   /// As in CpuExecutor: a guard that is not reached by a proper coloring.
   static constexpr int kMaxRounds = 10000;
 
-  CudaExecutor(DeviceTables& tables, cudaStream_t stream) : KernelLauncher(tables, stream) {
-    std::fill(std::begin(perOf_), std::end(perOf_), -1);
+  CudaExecutor(DeviceTables& tables, cudaStream_t stream) : ScanLauncher(tables, stream) {
     // subsets of pairs and active pairs: no capacity of their own
     perOf_[indexOf(&Counters::newPairs)] = static_cast<int>(Per::Pair);
     perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::ActivePair);
@@ -38,31 +32,32 @@ class CudaExecutor : private KernelLauncher {
   CudaExecutor(const CudaExecutor&) = delete;
   CudaExecutor& operator=(const CudaExecutor&) = delete;
 
+  /// Divides steps among GPUs; null: this device runs all of a step.
+  void divide(CudaPeers* peers) {
+    peers_ = peers;
+    if (peers) peers->use(*this);
+  }
+
   const Control* control() const { return control_; }
   /// Returns whether the number of elements of this kind is counted on the device.
   bool counted(Per per) const {
     return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_);
   }
   std::size_t scratchBytes() const {
-    return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size() + highDegree_.size() +
-           longSlices_.size();
+    return ScanLauncher::scratchBytes() + tickets_.size() + highDegree_.size() + longSlices_.size();
   }
 
   /// Allocates scratch memory for the scans and sorts of a step, which must not allocate.
   void reserveScratch() {
-    scanned_ = grouped_ = 0;
+    beginSizes();
     EnqueueOptions nothing;
     nothing.from = std::numeric_limits<int>::max();
     if (walk(nothing)) tables_.swapManifolds();
-    std::size_t scanBytes = 0, sortBytes = 0;
-    exclusiveSum(nullptr, scanBytes, CountAt{}, nullptr, scanned_ + 1);
-    if (grouped_ > 0) sortPairs(nullptr, sortBytes, nullptr, nullptr, grouped_);
-    scratch_.reserve(std::max(scanBytes, sortBytes));
-    sortedKeys_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
-    indices_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
+    reserveSizes();
     tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Slice)) * kSumLevels);
     colorBins_.reserve(sizeof(int) * 2 * kColorBins);
     reserveList(highDegree_, tables_.capacity(Per::Incidence), kLongIncidences);
+    if (peers_) reserveList(ownHighDegree_, tables_.capacity(Per::Incidence), kLongIncidences);
     reserveList(longSlices_, tables_.capacity(Per::Boundary), kLongRounds * kSmallWidth / kLanes);
   }
 
@@ -78,13 +73,31 @@ class CudaExecutor : private KernelLauncher {
   // Executor interface.
   using KernelLauncher::observe;
   using KernelLauncher::view;
+  using ScanLauncher::clear;
+  using ScanLauncher::groupByKey;
+  using ScanLauncher::require;
+  template <class N> void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, N n) {
+    ScanLauncher::scan(counts, offsets, n);
+  }
+  template <class N>
+  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, N n, int Counters::*total,
+            Per per) {
+    if (peers_ && counts == &SolverData::hasRows) peers_->share(Share::Touches);
+    ScanLauncher::scan(counts, offsets, n, total, per);
+  }
 
   template <class Kernel, class N> void forEach(const Kernel& kernel, N n) {
     announce(Kernel::kStage, kernelName<Kernel>());
+    if constexpr (isDivided<Kernel>())
+      if (peers_) return runPart(kernel, n);
     run(kernel, n);
+    if constexpr (std::same_as<Kernel, BeginTrees>)
+      if (peers_) peers_->plan(), peers_->closeOtherTrees();
   }
   template <class Kernel> void forEachIn(const Kernel& kernel, Array<int> SolverData::*offsets, int k) {
     announce(Kernel::kStage, kernelName<Kernel>());
+    if constexpr (isDivided<Kernel>())
+      if (peers_) return runLevelPart<Kernel>(k);
     runIn(kernel, offsets, k);
   }
 
@@ -229,53 +242,6 @@ class CudaExecutor : private KernelLauncher {
     launchByColor(fillColors<ColoredVertices>, FillVertexColors::kStage, n);
   }
 
-  void clear(Array<int> SolverData::*array, int n) {
-    if (begins() && n > 0) launch(FillArray{view().*array, 0}, {n, nullptr}, n, "clear");
-  }
-  void clear(Array<int> SolverData::*array, int Counters::*n) {
-    if (begins()) launch(FillArray{view().*array, 0}, {0, counter(n)}, capacityOf(n), "clear");
-  }
-
-  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int n) {
-    scanTo({view().*counts, nullptr, n, n}, view().*offsets);
-  }
-  /// Offsets beyond the last element also receive the total.
-  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int Counters::*n) {
-    scanTo({view().*counts, counter(n), 0, capacityOf(n)}, view().*offsets);
-  }
-  template <class N>
-  void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, N n, int Counters::*total,
-            Per per) {
-    const int limit = limitOf(n);
-    scan(counts, offsets, n);
-    perOf_[indexOf(total)] = static_cast<int>(per);
-    if (!begun()) return;
-    launchNext(keepTotal, {1, 1}, "keepTotal", control_, view().*offsets, limit, counter(total),
-               roomFor(per));
-  }
-
-  /// A stable sort. Skipped keys come after the last valid one.
-  void groupByKey(Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
-                  Array<int> SolverData::*order, int Counters::*keyCount) {
-    grouped_ = std::max(grouped_, n);
-    if (!begins()) return;
-    if (n > 0) {
-      launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().nodes()}, {n, nullptr}, n,
-             "indices");
-      std::size_t bytes = scratch_.size();
-      sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n);
-      afterKernel_ = false;
-    }
-    launch(FindFirst{reinterpret_cast<const int*>(sortedKeys_.data()), n, view().*offsets},
-           {1, counter(keyCount)}, capacityOf(keyCount) + 1, "offsets");
-  }
-
-  void require(Per per, int Counters::*count) {
-    perOf_[indexOf(count)] = static_cast<int>(per);
-    if (!begins()) return;
-    launchNext(requireRoom, {1, 1}, "requireRoom", control_, counter(count), roomFor(per));
-  }
-
   /// A single launch with grid-wide barriers between the kernels.
   template <class Take, class Propose>
   void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
@@ -329,6 +295,7 @@ class CudaExecutor : private KernelLauncher {
   /// One launch for each of the first colors, and one for all others.
   void forEachColor(const SolveBody<Real>&, const SolveVertex&) {
     announce(SolveBody<Real>::kStage, kernelName<SolveBody<Real>>());
+    if (peers_) peers_->beginColors(options_.colors), keepOwnHighDegree();
     if (!begins() || view().bodies + view().vertices == 0) return;
     enterStage(SolveBody<Real>::kStage);
     if constexpr (kStrict) {
@@ -357,8 +324,11 @@ class CudaExecutor : private KernelLauncher {
             solveVertexColor,
             {std::min(blocksFor(view().vertices, kVertexLanes), kVertexBlocks * processors_), kThreads},
             SolveVertex::kStage, view(), c, SolveThreads::of(view(), processors_).vertices, control_);
+      if (peers_ && bodies)
+        peers_->shareColor(c, listOf(ownHighDegree_).count, blocksFor(view().bodies / kBodiesPerStore));
     }
-    solveColorsFrom(options_.colors, 1, {0, 0});
+    // colors that share a launch share nothing with other devices
+    if (!peers_) solveColorsFrom(options_.colors, 1, {0, 0});
   }
 
   /// Begins work between steps, whose kernels belong to no graph and no stage.
@@ -376,6 +346,7 @@ class CudaExecutor : private KernelLauncher {
   void aliasRows() { tables_.aliasRows(); }
 
   void swapManifolds() {
+    if (peers_) peers_->share(Share::Counts);
     tables_.swapManifolds();
     kept_ = !kept_;
   }
@@ -386,34 +357,90 @@ class CudaExecutor : private KernelLauncher {
     operation_ = 0;
     stage_ = nullptr;
     kept_ = afterKernel_ = false;
+    if (peers_) peers_->begin();
     step(*this);
     enterStage(nullptr);
     return kept_;
   }
 
-  /// With null scratch memory it only computes the number of bytes needed.
-  void exclusiveSum(void* scratch, std::size_t& bytes, const CountAt& in, int* out, int n) const {
-    const auto counts = thrust::make_transform_iterator(thrust::make_counting_iterator(0), in);
-    checkCuda(cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, out, n, stream_), "scan");
+  /// Runs the elements of this device, and exchanges what others need.
+  template <class Kernel, class N> void runPart(const Kernel& kernel, N n) {
+    using D = Divided<Kernel>;
+    const bool beside = std::exchange(beside_, false);
+    const int which = D::which(kernel);
+    peers_->share(D::kBefore, which);
+    if constexpr (D::kCut == Cut::ActivePairs) peers_->listActivePairs();
+    if constexpr (D::kCut > Cut::Tested) peers_->plan();
+    beside_ = beside;
+    if constexpr (D::kCut == Cut::Pairs)
+      runList(kernel, PeerList::Pairs, n);
+    else if constexpr (D::kCut == Cut::ActivePairs)
+      runList(kernel, PeerList::ActivePairs, n);
+    else if constexpr (D::kCut == Cut::Rows)
+      runList(kernel, PeerList::Rows, n);
+    else if constexpr (D::kCut == Cut::OwnRows)
+      runList(kernel, PeerList::OwnRows, n);
+    else if constexpr (D::kCut == Cut::Bodies)
+      runList(kernel, PeerList::Bodies, n);
+    else if constexpr (std::same_as<Kernel, SumInertia>)
+      runList(SumInertiaByTile{tree()}, PeerList::SeenSlices, n);
+    else if constexpr (std::same_as<Kernel, CountBoundary>)
+      run(kernel, n);  // room for the constraints of all slices, so that tables of all devices grow alike
+    else if constexpr (std::same_as<Kernel, FillBoundary>)
+      startList(longSlices_, FillBoundary::kStage),
+          runList(FillBoundaryByTile{listOf(longSlices_)}, PeerList::Slices, n);
+    else if constexpr (D::kCut == Cut::Joints)
+      runList(kernel, listOfJoints(PeerJoints::All, which), n, partsOfJoints(n, which));
+    else if constexpr (D::kCut == Cut::OwnJoints)
+      runList(kernel, listOfJoints(PeerJoints::Own, which), n, partsOfJoints(n, which));
+    else if constexpr (!std::same_as<Kernel, PlaceAggregates>)
+      run(kernel, n);  // trees of others count as converged
+    peers_->share(D::kAfter, which);
   }
-
-  void sortPairs(void* scratch, std::size_t& bytes, const int* keys, int* order, int n) const {
-    // keys are fewer than n: these bits distinguish them from -1
-    const int bits = std::bit_width(static_cast<unsigned>(n));
-    checkCuda(cub::DeviceRadixSort::SortPairs(scratch, bytes, reinterpret_cast<const unsigned*>(keys),
-                                              reinterpret_cast<unsigned*>(sortedKeys_.data()),
-                                              reinterpret_cast<const int*>(indices_.data()), order, n, 0,
-                                              bits, stream_),
-              "sort");
-  }
-
-  void scanTo(const CountAt& in, int* offsets) {
-    scanned_ = std::max(scanned_, in.limit);
+  int partsOfJoints(int n, int type) const { return n / std::max(1, view().joints[type]); }
+  template <class Kernel, class N> void runList(const Kernel& kernel, PeerList list, N n, int parts = 1) {
     if (!begins()) return;
-    // one element more than counts: the total follows the last one
-    std::size_t bytes = scratch_.size();
-    exclusiveSum(scratch_.data(), bytes, in, offsets, in.limit + 1);
-    afterKernel_ = false;
+    enterStage(Kernel::kStage);
+    launch(onDevice(kernel), {0, peers_->countOf(list), peers_->elements(list), parts}, limitOf(n),
+           Kernel::kStage);
+  }
+  /// The same for stages of one level of aggregates.
+  template <class Kernel> void runLevelPart(int level) {
+    constexpr bool kSoftOnly = std::same_as<Kernel, WithSoftNodes<SumSlice<Real>>> ||
+                               std::same_as<Kernel, WithSoftNodes<MoveSlice>>;
+    using D = Divided<Kernel>;
+    if constexpr (D::kCut == Cut::LevelSlices) {
+      peers_->plan();
+      peers_->share(D::kBefore, level);
+      if (!kSoftOnly && sliceWidth(view(), level) == kSmallWidth)
+        sumLevelOfAll<kSmallWidth>(level, kSoftOnly);
+      else
+        sumLevelOfAll<kWarp>(level, kSoftOnly);
+    } else if constexpr (D::kCut == Cut::LevelMoves) {
+      run(MoveSeenNode{{level, kSoftOnly}, peers_->data()}, view().bodiesMove ? view().bodies : 0);
+    }
+  }
+  template <int kTile> void sumLevelOfAll(int level, bool softOnly) {
+    SumTree own = tree();
+    own.tickets = nullptr;
+    own.owners = {peers_->data().sliceOwner, peers_->data().rank};
+    sumLevel<kTile>(level, softOnly, own);
+    peers_->share(Share::SliceSums, level);
+    if (!begins()) return;
+    launchNext(passSumsOn<kTile>, {blocksForRange(kTile), kThreads}, SumSlice<Real>::kStage, view(), tree(),
+               Count{0, peers_->countOf(PeerList::SeenSlices), peers_->elements(PeerList::SeenSlices)}, level,
+               softOnly, Gate{control_});
+  }
+  /// The bodies of high degree that this device solves.
+  void keepOwnHighDegree() {
+    startList(ownHighDegree_, "ranks");
+    if (!begins()) return;
+    const LongList all = listOf(highDegree_);
+    launch(KeepOwn{all, listOf(ownHighDegree_), owners()}, {0, all.count},
+           tables_.capacity(Per::Incidence) / kLongIncidences + 1, "ranks");
+  }
+  PeerOwners owners() const {
+    return peers_ ? PeerOwners{peers_->data().owner, peers_->data().rank} : PeerOwners{};
   }
 
   template <class Kernel> void launchByColor(Kernel* kernel, const char* name, int n) {
@@ -436,60 +463,34 @@ class CudaExecutor : private KernelLauncher {
   }
 
   template <int kTile> void sumLevel(int level, bool softOnly = false) {
+    sumLevel<kTile>(level, softOnly, tree());
+  }
+  template <int kTile> void sumLevel(int level, bool softOnly, const SumTree& tree) {
     if (!begins()) return;
     enterStage(SumSlice<Real>::kStage);
     launchNext(hasFewJoints(view(), residentThreads()) ? sumSlices<kTile, true> : sumSlices<kTile, false>,
-               {processors_ + blocksForRange(kTile), kThreads}, SumSlice<Real>::kStage, view(), tree(),
+               {processors_ + blocksForRange(kTile), kThreads}, SumSlice<Real>::kStage, view(), tree,
                listOf(longSlices_), processors_, level, softOnly, Gate{control_});
   }
 
   void solveColorsFrom(int color, int count, ColorBlocks blocks) {
     launchNext(solveColorsOf(view(), residentThreads()), {count, kSolveThreads}, SolveBody<Real>::kStage,
-               view(), color, listOf(highDegree_), blocks, SolveThreads::of(view(), processors_), control_);
+               view(), color, listOf(peers_ ? ownHighDegree_ : highDegree_), blocks,
+               SolveThreads::of(view(), processors_), control_);
   }
 
   ColorBins colorBins() const {
     int* const first = reinterpret_cast<int*>(colorBins_.data());
-    return {first, first + kColorBins};
-  }
-  LongList listOf(const DeviceBuffer& list) const {
-    int* const first = reinterpret_cast<int*>(list.data());
-    return {first, first + 1};
-  }
-  void startList(const DeviceBuffer& list, const char* stage) {
-    if (!begins()) return;
-    enterStage(stage);
-    launch(FillArray{listOf(list).count, 0}, {1, nullptr}, 1, "clear");
+    return {first, first + kColorBins, owners()};
   }
   /// One warp per kWarp of n bodies.
   template <class Kernel> void runByWarp(const Kernel& kernel, int n) { run(kernel, warpsFor(n)); }
-  /// Reserves space for all elements that can have more than `parts` parts.
-  static void reserveList(DeviceBuffer& list, int most, int parts) {
-    list.reserve(sizeof(int) * (2 + static_cast<std::size_t>(most / parts)));
-  }
-
   SumTree tree() const { return {reinterpret_cast<int*>(tickets_.data()), tables_.capacity(Per::Slice)}; }
-  Room roomFor(Per per) const { return {static_cast<int>(per), tables_.capacity(per), operation()}; }
-  int limitOf(int n) const { return n; }
-  int limitOf(int Counters::*n) const { return capacityOf(n); }
+  /// Bodies of a color for each block that stores their poses.
+  static constexpr int kBodiesPerStore = 64;
 
-  /// Counters is an array of ints.
-  static std::size_t indexOf(int Counters::*c) {
-    static const Counters probe{};
-    return static_cast<std::size_t>(&(probe.*c) - reinterpret_cast<const int*>(&probe));
-  }
-  int* counter(int Counters::*c) const { return reinterpret_cast<int*>(view().counters) + indexOf(c); }
-  /// Capacity of the kind that this counter counts, as given by require().
-  int capacityOf(int Counters::*c) const {
-    const int per = perOf_[indexOf(c)];
-    if (per < 0) throw std::logic_error("CudaExecutor: a counter is used before the room for it is required");
-    return tables_.capacity(static_cast<Per>(per));
-  }
-
-  DeviceBuffer scratch_, sortedKeys_, indices_, tickets_, highDegree_, longSlices_, colorBins_;
-  /// largest scan and largest groupByKey() of this step, in elements
-  int scanned_ = 0, grouped_ = 0;
-  int perOf_[sizeof(Counters) / sizeof(int)];
+  CudaPeers* peers_ = nullptr;
+  DeviceBuffer tickets_, highDegree_, ownHighDegree_, longSlices_, colorBins_;
   bool kept_ = false;
 };
 

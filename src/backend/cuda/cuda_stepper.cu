@@ -143,32 +143,42 @@ struct CudaStepper::Impl {
   /// Runs the whole step, as a graph if its configuration occurred before. Pointers alternate between two
   /// states, and each has its own graph.
   const Timeline& runWhole() {
+    StepGraph& graph = graphs[parity];
+    const Configuration now{tables.view(), colors.limit()};
+    const bool holds = !observer && graph.holds(now);
+    // room first: when devices have met, none may wait for memory
+    if (!holds) executor.reserveScratch();
+    if (peers) reservePeers();
     if (observer) {
-      executor.reserveScratch();
       enqueueObserved(0);
       return direct;
     }
-    const Configuration now{tables.view(), colors.limit()};
-    StepGraph& graph = graphs[parity];
-    if (!graph.holds(now)) {
-      executor.reserveScratch();
-      if (!graph.seen(now)) {
-        enqueue(0, &direct, false);
-        stream.wait();
-        return direct;
-      }
-      graph.capture(now, stream.get(), [&](Timeline& timeline) { enqueue(0, &timeline, true); });
+    if (!holds && !graph.seen(now)) {
+      enqueue(0, &direct, false);
+      stream.wait();
+      return direct;
     }
+    if (!holds)
+      graph.capture(now, stream.get(), [&](Timeline& timeline) { enqueue(0, &timeline, true); });
     graph.launch(stream.get());
     stream.wait();
     return graph.timeline();
+  }
+
+  /// Tables of all GPUs have grown alike, so their addresses are exchanged again.
+  void reservePeers() {
+    peers->reserve();
+    peers->meet(parity);
   }
 
   /// Takes over the sizes of `host`.
   void adopt(const SolverData& host) { tables.view() = onDevice(host, tables.view()); }
 
   void makeRoom(const Control& control) {
+    if (peers) peers->requireAll(control.lacking, control.needed);
     const Per per = static_cast<Per>(control.lacking);
+    // on several GPUs each color needs a launch
+    if (per == Per::Color) colors.note(control.needed);
     // tables start empty, and the next steps need a little more
     constexpr int kLeastSpare = 64;
     const int spare = tables.capacity(per) > 1 ? 0 : kLeastSpare + control.needed / 8;
@@ -178,6 +188,7 @@ struct CudaStepper::Impl {
                   control);
     makeAmpleRoom({Per::PointPair, Per::PointIncidence, Per::NearFeature}, s.vertices, control);
     executor.reserveScratch();
+    if (peers) reservePeers();
   }
   /// Reserves generously for contact-related kinds while contacts are few. A step that stops requires new
   /// graphs, and contacts that appear one by one would stop it repeatedly. `nodes`: bodies or vertices.
@@ -193,6 +204,7 @@ struct CudaStepper::Impl {
   Stream stream;
   DeviceTables tables;
   CudaExecutor executor{tables, stream.get()};
+  std::unique_ptr<CudaPeers> peers;  ///< null: one GPU has the world
   Pinned<StepStatus> status;
   StepGraph graphs[2];
   Timeline direct;
@@ -210,7 +222,34 @@ DeviceTables& CudaStepper::tables() { return impl_->tables; }
 const DeviceTables& CudaStepper::tables() const { return impl_->tables; }
 cudaStream_t CudaStepper::stream() const { return impl_->stream.get(); }
 bool CudaStepper::counted(Per per) const { return impl_->executor.counted(per); }
-std::size_t CudaStepper::bytes() const { return impl_->tables.bytes() + impl_->executor.scratchBytes(); }
+std::size_t CudaStepper::bytes() const {
+  return impl_->tables.bytes() + impl_->executor.scratchBytes() + (impl_->peers ? impl_->peers->bytes() : 0);
+}
+
+void CudaStepper::divide(Transport& transport, const RankOptions& options) {
+  Impl& m = *impl_;
+  m.peers = std::make_unique<CudaPeers>(m.tables, m.stream.get(), transport, options);
+  m.executor.divide(m.peers.get());
+}
+
+void CudaStepper::gatherState(const SolverData& host) {
+  Impl& m = *impl_;
+  if (m.peers->holdsAll()) return;
+  m.adopt(host);
+  m.peers->meet(CudaPeers::kBetweenSteps);
+  m.executor.beginWork();
+  m.peers->gatherState();
+  m.executor.endWork();
+  Control control;
+  checkCuda(
+      cudaMemcpyAsync(&control, m.executor.control(), sizeof control, cudaMemcpyDeviceToHost, m.stream.get()),
+      "cudaMemcpyAsync");
+  m.stream.wait();
+  if (control.stop != 0) m.peers->requireAll(control.lacking, control.needed);
+}
+
+void CudaStepper::restart() { impl_->peers->restart(); }
+std::vector<RankReport> CudaStepper::reports() const { return impl_->peers->reports(); }
 
 void CudaStepper::observe(KernelObserver observer) {
   impl_->observer = observer;

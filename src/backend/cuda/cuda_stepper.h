@@ -4,11 +4,16 @@
 #include <string>
 #include <vector>
 
+#include <rubble/ranks.h>
 #include <rubble/report.h>
 
 #include "backend/cuda/device_memory.h"
 #include "backend/observable_engine.h"
 #include "tables/state_rows.h"
+
+namespace rubble {
+class Transport;
+}
 
 namespace rubble::RUBBLE_CORE {
 
@@ -31,6 +36,15 @@ class CudaStepper {
   /// Takes one step with the sizes of `host`, whose pointers are not used, and the constants on the device.
   /// Adds restarts and stage times to the report.
   Counters step(const SolverData& host, StepReport& report);
+
+  /// Divides steps among the GPUs of the ranks of a transport, which must outlive the stepper.
+  void divide(Transport& transport, const RankOptions& options);
+  /// All ranks get the state of all pairs and joints. `host`: sizes.
+  void gatherState(const SolverData& host);
+  /// The tables were replaced or sorted. All ranks have the whole state.
+  void restart();
+  /// Of the last step, by rank, without times.
+  std::vector<RankReport> reports() const;
 
   /// While there is an observer, kernels run one by one and without graphs.
   void observe(KernelObserver observer);

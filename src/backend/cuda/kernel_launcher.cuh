@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
+#include <stdexcept>
 
 #include "backend/cuda/device_memory.h"
 #include "backend/cuda/kernels.cuh"
@@ -24,6 +26,9 @@ struct EnqueueOptions {
 struct StepStopped {};
 
 class KernelLauncher {
+  /// Launches the kernels of exchanges among those of the step.
+  friend class CudaPeers;
+
  public:
   /// With an observer, each kernel of a step ends before it is called for the next one.
   void observe(KernelObserver observer) { observer_ = std::move(observer); }
@@ -44,6 +49,7 @@ class KernelLauncher {
     // more blocks would only queue
     maxBlocks_ = processors_ * (threads / kThreads);
     control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
+    std::fill(std::begin(perOf_), std::end(perOf_), -1);
   }
   ~KernelLauncher() { DeviceMemory::release(control_); }
   KernelLauncher(const KernelLauncher&) = delete;
@@ -97,6 +103,19 @@ class KernelLauncher {
       launchNext(runKernel<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
   }
 
+  /// Counters is an array of ints.
+  static std::size_t indexOf(int Counters::*c) {
+    static const Counters probe{};
+    return static_cast<std::size_t>(&(probe.*c) - reinterpret_cast<const int*>(&probe));
+  }
+  int* counter(int Counters::*c) const { return reinterpret_cast<int*>(view().counters) + indexOf(c); }
+  /// Capacity of the kind that this counter counts, as given by require().
+  int capacityOf(int Counters::*c) const {
+    const int per = perOf_[indexOf(c)];
+    if (per < 0) throw std::logic_error("CudaExecutor: a counter is used before the room for it is required");
+    return tables_.capacity(static_cast<Per>(per));
+  }
+
   struct Grid {
     int blocks, threads;
   };
@@ -123,6 +142,7 @@ class KernelLauncher {
   EnqueueOptions options_;
   KernelObserver observer_;
   int operation_ = 0;
+  int perOf_[sizeof(Counters) / sizeof(int)];  ///< kind that a counter counts, or -1
   const char* stage_ = nullptr;
   bool beside_ = false;
   int processors_ = 1, maxBlocks_ = 1;

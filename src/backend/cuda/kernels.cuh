@@ -4,6 +4,7 @@
 #include <cuda_runtime.h>
 
 #include "backend/cuda/tile.cuh"
+#include "backend/division.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -17,6 +18,8 @@ struct Control {
   int needed;      ///< elements needed
   int wideColors;  ///< colors up to the last that is worth a launch
 };
+/// Control::lacking of a step that another device does not answer. Control::needed is its rank.
+inline constexpr int kLostPeer = -1;
 
 /// Allows the dependent kernel to launch. It still waits for the end of this one.
 __device__ inline void callNext() {
@@ -54,10 +57,21 @@ struct Gate {
 
 /// A number of elements, known on the host or counted on the device.
 struct Count {
-  int fixed;           ///< added to the counted number
-  const int* counted;  ///< device counter, or null
-  __device__ int get() const { return counted ? *counted + fixed : fixed; }
+  int fixed;                  ///< added to the counted number
+  const int* counted;         ///< device counter, or null
+  const int* list = nullptr;  ///< the elements, if they are not the first ones
+  int parts = 1;              ///< of each listed joint
+  __device__ int get() const { return (counted ? *counted + fixed : fixed) * parts; }
 };
+/// Do the elements of a kernel include the parts of joints?
+template <class Kernel>
+inline constexpr bool kHasJointParts = Divided<Kernel>::kCut == Cut::Joints ||
+                                       Divided<Kernel>::kCut == Cut::OwnJoints;
+template <class Kernel> __device__ int elementOf(const Count& n, int k) {
+  if constexpr (kHasJointParts<Kernel>)
+    if (n.list) return n.list[k / n.parts] * n.parts + k % n.parts;
+  return n.list ? n.list[k] : k;
+}
 
 __device__ inline void lack(Control* control, int operation, int lacking, int needed) {
   control->lacking = lacking;
@@ -65,22 +79,21 @@ __device__ inline void lack(Control* control, int operation, int lacking, int ne
   control->stop = operation + 1;
 }
 
-/// kernel(s, i) for all i in [begin, begin + count), as a grid-stride loop. The lanes of a tile stay
-/// together.
-template <class Kernel>
-__device__ void runStrided(const SolverData& s, const Kernel& kernel, int begin, int count) {
+/// kernel(s, elementAt(k)) for all k < count, as a grid-stride loop. The lanes of a tile stay together.
+template <class Kernel, class ElementAt>
+__device__ void runStrided(const SolverData& s, const Kernel& kernel, int count, ElementAt&& elementAt) {
   constexpr unsigned kWidth = widthOf<Kernel>();
   static_assert(kThreads % kWidth == 0);
   const int stride = static_cast<int>(gridDim.x * blockDim.x / kWidth);
   for (int k = static_cast<int>((blockIdx.x * blockDim.x + threadIdx.x) / kWidth); k < count; k += stride)
-    apply(kernel, s, begin + k);
+    apply(kernel, s, elementAt(k));
 }
 
-/// kernel(s, i) for all i < n.
+/// kernel(s, i) for n elements.
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads)
     runKernel(const __grid_constant__ SolverData s, const Kernel kernel, Count n, Gate gate) {
-  gate.enter([&] { runStrided(s, kernel, 0, n.get()); });
+  gate.enter([&] { runStrided(s, kernel, n.get(), [&](int k) { return elementOf<Kernel>(n, k); }); });
 }
 
 /// A kernel with launch bounds: a number of blocks per multiprocessor, which limits its registers.
@@ -91,7 +104,7 @@ concept Limited = requires {
 template <Limited Kernel>
 __global__ void __launch_bounds__(kThreads, Kernel::kBlocks)
     runLimited(const __grid_constant__ SolverData s, const Kernel kernel, Count n, Gate gate) {
-  gate.enter([&] { runStrided(s, kernel, 0, n.get()); });
+  gate.enter([&] { runStrided(s, kernel, n.get(), [&](int k) { return elementOf<Kernel>(n, k); }); });
 }
 
 /// kernel(s, i) for offsets[range] <= i < offsets[range + 1].
@@ -101,7 +114,8 @@ __global__ void __launch_bounds__(kThreads, 6)
              Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
-  runStrided(s, kernel, offsets[range], offsets[range + 1] - offsets[range]);
+  const int begin = offsets[range];
+  runStrided(s, kernel, offsets[range + 1] - begin, [&](int k) { return begin + k; });
 }
 
 struct FillArray {

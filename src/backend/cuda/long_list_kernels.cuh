@@ -12,6 +12,22 @@ struct LongList {
   __device__ void add(int i) const { element[claimTogether(count)] = i; }
 };
 
+/// Who solves the elements of a world on several GPUs; without owners, this device.
+struct PeerOwners {
+  const int* owner = nullptr;
+  int rank = 0;
+  __device__ bool isMine(int i) const { return !owner || owner[i] == rank || owner[i] < 0; }
+};
+/// The elements of a list that this device solves.
+struct KeepOwn {
+  static constexpr const char* kStage = "ranks";
+  LongList from, to;
+  PeerOwners owners;
+  __device__ void operator()(const SolverData&, int k) const {
+    if (owners.isMine(from.element[k])) to.add(from.element[k]);
+  }
+};
+
 /// A body with more constraints than this has high degree. Bodies of a heap have about 20, and a warp sorts
 /// two per lane.
 inline constexpr int kLongIncidences = 64;

@@ -116,6 +116,8 @@ class Mirror {
   void flush();
   /// The device has taken a step or substep.
   void stepped(const Counters& counters);
+  /// The device has received contacts and joints from other devices.
+  void gathered() { restOld_ = true; }
   /// As for host tables.
   void endForces();
 

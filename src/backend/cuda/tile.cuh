@@ -87,6 +87,17 @@ __device__ void storeSums(const Tile<kWidth>& tile, const Real (&sums)[kRealsPer
     if (const int i = tile.lane * kRealsPerLane<kWidth> + k; i < kBlockReals) numbers[i] = sums[k];
 }
 
+/// Loads what storeSums() stored.
+template <int kWidth>
+__device__ void loadSums(const Tile<kWidth>& tile, const Block6& from, Real (&sums)[kRealsPerLane<kWidth>]) {
+  const Real* const numbers = reinterpret_cast<const Real*>(&from);
+#pragma unroll
+  for (int k = 0; k < kRealsPerLane<kWidth>; ++k) {
+    const int i = tile.lane * kRealsPerLane<kWidth> + k;
+    sums[k] = i < kBlockReals ? numbers[i] : Real(0);
+  }
+}
+
 /// All-gather of the sums that sumBlocks() left in the lanes.
 template <int kWidth>
 __device__ Block6 gatherSums(const Tile<kWidth>& tile, const Real (&sums)[kRealsPerLane<kWidth>]) {

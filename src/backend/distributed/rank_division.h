@@ -8,7 +8,7 @@
 #include <rubble/ranks.h>
 
 #include "backend/distributed/rank_lists.h"
-#include "backend/division.h"
+#include "backend/distributed/world_division.h"
 #include "tables/host_tables.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -24,7 +24,7 @@ struct RankPart {
   void clear() { index.clear(), counted = 0; }
 };
 
-class RankDivision final : public Division {
+class RankDivision final : public WorldDivision {
  public:
   /// Both must outlive the division.
   RankDivision(HostTables& tables, Transport& transport, const RankOptions& options)
@@ -34,12 +34,9 @@ class RankDivision final : public Division {
   Part color(int color) override;
   void share(Share what, int which) override;
 
-  /// Gathers the state of all pairs and joints, which each rank has for its own bodies only.
-  void gatherState();
-  /// The tables were replaced or sorted. All ranks have the whole state.
-  void restart() { holdsAll_ = true, isCut_ = false; }
-  /// Of the last step, by rank, without times and bytes.
-  const std::vector<RankReport>& reports() const { return reports_; }
+  void gatherState() override;
+  void restart() override { holdsAll_ = true, isCut_ = false; }
+  const std::vector<RankReport>& reports() const override { return reports_; }
 
  private:
   static constexpr int kTypes = JointTypes::kSize;

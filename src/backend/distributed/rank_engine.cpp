@@ -2,22 +2,61 @@
 
 #include <chrono>
 
+#include "backend/cpu/cpu_engine.h"
+#include "backend/distributed/peer_division.h"
+#include "backend/distributed/rank_division.h"
+
 namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+class CpuRank final : public DividedEngine {
+ public:
+  CpuRank(Transport& transport, const RankOptions& options, int threads, bool timings)
+      : cpu_(threads, timings) {
+    if (options.exchange == RankExchange::Messages)
+      division_ = std::make_unique<RankDivision>(cpu_.tables(), transport, options);
+    else
+      division_ = std::make_unique<PeerDivision>(cpu_.tables(), transport, options);
+    cpu_.divide(division_.get());
+  }
+  ObservableEngine& engine() override { return cpu_; }
+  void gatherState() override { division_->gatherState(); }
+  void sortWhole() override {
+    cpu_.divide(nullptr);
+    cpu_.sortBodies();
+    cpu_.divide(division_.get());
+    restart();
+  }
+  void restart() override { division_->restart(); }
+  std::vector<RankReport> reports() const override { return division_->reports(); }
+
+ private:
+  CpuEngine cpu_;
+  std::unique_ptr<WorldDivision> division_;
+};
+
+}  // namespace
+
+std::unique_ptr<DividedEngine> makeCpuRank(Transport& transport, const RankOptions& options, int threads,
+                                           bool timings) {
+  return std::make_unique<CpuRank>(transport, options, threads, timings);
+}
 
 void RankEngine::step(StepReport& report) {
   using Clock = std::chrono::steady_clock;
   guarded([&] {
     const Transport::Traffic before = transport_->traffic();
     const auto begin = Clock::now();
-    cpu_.step(report);
+    own().step(report);
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
     const Transport::Traffic now = transport_->traffic();
-    RankReport own = division_.reports()[static_cast<std::size_t>(rank())];
-    own.exchangeMs = now.ms - before.ms;
-    own.ownMs = ms - own.exchangeMs;
-    own.bytes = now.bytes - before.bytes, own.messages = now.messages - before.messages;
-    own.memoryBytes = static_cast<std::int64_t>(cpu_.memoryBytes());
-    report.ranks = RankCourier(*transport_).gatherValue(own);
+    RankReport part = divided_->reports()[static_cast<std::size_t>(rank())];
+    part.exchangeMs = now.ms - before.ms;
+    part.ownMs = ms - part.exchangeMs;
+    part.bytes = now.bytes - before.bytes, part.messages = now.messages - before.messages;
+    part.memoryBytes = static_cast<std::int64_t>(own().memoryBytes());
+    report.ranks = RankCourier(*transport_).gatherValue(part);
   });
 }
 

@@ -1,6 +1,9 @@
 #pragma once
-/// All ranks of a world as threads of this process. What ranks exchange goes through a transport; they share
-/// no tables.
+/// All ranks of a world in this process, each with a thread of its own. What ranks tell one another goes
+/// through a transport.
+#include <functional>
+#include <type_traits>
+
 #include "backend/distributed/rank_engine.h"
 #include "backend/distributed/thread_transport.h"
 
@@ -9,7 +12,10 @@ namespace rubble::RUBBLE_CORE {
 /// Reads are of rank 0.
 class RankTeam final : public Engine {
  public:
-  /// `threads`: of all ranks together; 0: one per core.
+  /// Makes the engine of a rank, in the thread of the rank.
+  using Maker = std::function<std::unique_ptr<DividedEngine>(Transport&)>;
+  RankTeam(const RankOptions& options, const Maker& make);
+  /// Ranks on the CPU. `threads`: of all ranks together; 0: one per core.
   RankTeam(const RankOptions& options, int threads, bool timings);
 
   void configure(const EngineSettings& settings) override {
@@ -23,14 +29,24 @@ class RankTeam final : public Engine {
     together([](Engine& e) { e.sortBodies(); });
   }
   const TableReader& read(Fetch what, int id) override {
-    if (what == Fetch::All) together([](RankEngine& e) { e.gatherState(); });
-    return first().read(what, id);
+    if (what == Fetch::All) gatherState();
+    return first([&](RankEngine& e) -> const TableReader& { return e.read(what, id); });
   }
-  std::span<EngineQuery> queryRoom(std::size_t n) override { return first().queryRoom(n); }
-  std::span<const EngineHit> hits(const EngineQueries& asked) override { return first().hits(asked); }
-  EngineOverlaps overlaps(const EngineQueries& asked) override { return first().overlaps(asked); }
-  EngineAllHits allHits(const EngineQueries& asked) override { return first().allHits(asked); }
-  ArrayView array(StateArray which) override { return first().array(which); }
+  std::span<EngineQuery> queryRoom(std::size_t n) override {
+    return first([&](RankEngine& e) { return e.queryRoom(n); });
+  }
+  std::span<const EngineHit> hits(const EngineQueries& asked) override {
+    return first([&](RankEngine& e) { return e.hits(asked); });
+  }
+  EngineOverlaps overlaps(const EngineQueries& asked) override {
+    return first([&](RankEngine& e) { return e.overlaps(asked); });
+  }
+  EngineAllHits allHits(const EngineQueries& asked) override {
+    return first([&](RankEngine& e) { return e.allHits(asked); });
+  }
+  ArrayView array(StateArray which) override {
+    return first([&](RankEngine& e) { return e.array(which); });
+  }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     each([&](Engine& e) { e.scatter(which, rows, values); });
   }
@@ -38,16 +54,16 @@ class RankTeam final : public Engine {
     each([&](Engine& e) { e.setJointRows(rows); });
   }
   ArrayView array(JointArray which) override {
-    together([](RankEngine& e) { e.gatherState(); });
-    return first().array(which);
+    gatherState();
+    return first([&](RankEngine& e) { return e.array(which); });
   }
   ArrayView array(SensorArray which) override {
-    together([](RankEngine& e) { e.gatherState(); });
-    return first().array(which);
+    gatherState();
+    return first([&](RankEngine& e) { return e.array(which); });
   }
   ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override {
-    together([](RankEngine& e) { e.gatherState(); });
-    return first().contactForces(pairs);
+    gatherState();
+    return first([&](RankEngine& e) { return e.contactForces(pairs); });
   }
   void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override {
     each([&](Engine& e) { e.scatter(which, rows, values); });
@@ -63,12 +79,12 @@ class RankTeam final : public Engine {
     return sum;
   }
   std::vector<TableHash> tableHashes() override {
-    together([](RankEngine& e) { e.gatherState(); });
-    return first().tableHashes();
+    gatherState();
+    return first([&](RankEngine& e) { return e.tableHashes(); });
   }
   std::shared_ptr<const EngineSnapshot> snapshot() override {
-    together([](RankEngine& e) { e.gatherState(); });
-    return first().snapshot();
+    gatherState();
+    return first([&](RankEngine& e) { return e.snapshot(); });
   }
   void restore(const EngineSnapshot& snapshot) override {
     each([&](Engine& e) { e.restore(snapshot); });
@@ -77,11 +93,23 @@ class RankTeam final : public Engine {
   RankEngine& rank(int r) { return *ranks_[static_cast<std::size_t>(r)]; }
 
  private:
-  RankEngine& first() { return *ranks_.front(); }
+  /// A call of a rank, by the calling thread.
+  template <class F> static std::invoke_result_t<F&, RankEngine&> callOf(RankEngine& rank, F&& f) {
+    struct Scope {
+      DividedEngine& divided;
+      int before = divided.enter();
+      ~Scope() { divided.leave(before); }
+    } const scope{rank.divided()};
+    return f(rank);
+  }
+  template <class F> std::invoke_result_t<F&, RankEngine&> first(F&& f) { return callOf(*ranks_.front(), f); }
+  void gatherState() {
+    together([](RankEngine& e) { e.gatherState(); });
+  }
   /// For each rank, one after another: calls without exchanges.
   template <class F> void each(F&& f) {
     requireWhole();
-    for (const auto& rank : ranks_) f(*rank);
+    for (const auto& rank : ranks_) callOf(*rank, f);
   }
   /// For all ranks at once, each in a thread of its own.
   void together(const std::function<void(RankEngine&)>& f);

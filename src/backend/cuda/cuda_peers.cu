@@ -1,0 +1,401 @@
+#include "backend/cuda/cuda_peers.h"
+
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/transform_iterator.h>
+#include <cub/device/device_select.cuh>
+
+#include <algorithm>
+#include <string>
+
+#include "backend/cuda/kernel_launcher.cuh"
+#include "backend/cuda/peer_signals.cuh"
+#include "backend/distributed/rank_lists.h"
+#include "backend/peers/peer_phases.h"
+
+namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+/// Device memory that keeps its content when it grows.
+class KeptBuffer {
+ public:
+  ~KeptBuffer() { DeviceMemory::release(data_); }
+  KeptBuffer() = default;
+  KeptBuffer(const KeptBuffer&) = delete;
+  KeptBuffer& operator=(const KeptBuffer&) = delete;
+  template <class T> void reserve(std::size_t count, T*& to) {
+    if (const std::size_t bytes = count * sizeof(T); bytes > bytes_) {
+      checkCuda(cudaDeviceSynchronize(), "wait for the device");
+      void* const fresh = DeviceMemory::allocate(bytes);
+      if (data_) DeviceMemory::copy(fresh, data_, bytes_);
+      DeviceMemory::release(data_);
+      data_ = fresh, bytes_ = bytes;
+    }
+    to = static_cast<T*>(data_);
+  }
+  std::size_t size() const { return bytes_; }
+
+ private:
+  void* data_ = nullptr;
+  std::size_t bytes_ = 0;
+};
+
+template <class Test> struct MarkListed {
+  Test test;
+  int* flag;
+  __device__ void operator()(const SolverData& s, int i) const { flag[i] = test(s, i) ? 1 : 0; }
+};
+/// Input of a selection: false beyond the last element.
+struct FlagAt {
+  CountAt flags;
+  __host__ __device__ bool operator()(int i) const { return flags(i) != 0; }
+};
+struct CloseOtherTrees : PeerKernel {
+  __device__ void operator()(const SolverData& s, int n) const {
+    if (const TreeNode& node = s.treeNode[n];
+        node.tree == n && node.body >= 0 && !p.isMine(p.owner[node.body]))
+      s.treeConverged[n] = 1;
+  }
+};
+
+/// ShareColor for the own bodies of a color, and for all own bodies of high degree that have it.
+struct ShareColorAndHighDegree : PeerKernel {
+  int color;
+  const int* highDegree;  ///< number, then bodies; may be null
+  __device__ void operator()(const SolverData& s, int k) const {
+    const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
+    if (k < count) return sharePose(s, p, s.colorBody[begin + k]);
+    const int body = highDegree[1 + k - count];
+    if (isSwept(s, body) && s.color[body] == color) sharePose(s, p, body);
+  }
+};
+/// ShareColorAndHighDegree over a range that only the device knows.
+__global__ void __launch_bounds__(kThreads)
+    storeColor(const __grid_constant__ SolverData s, const ShareColorAndHighDegree push, PeerSignals signals,
+               Control* control) {
+  awaitPrevious();
+  if (control->stop != 0 || push.color >= s.counters->colors) return;
+  const int n = s.colorOffset[push.color + 1] - s.colorOffset[push.color] + *push.highDegree;
+  runStrided(s, push, n, [](int k) { return k; });
+  __threadfence_system();
+  __shared__ bool last;
+  __syncthreads();
+  if (threadIdx.x == 0) last = atomicAdd(signals.arrived, 1u) + 1 == gridDim.x;
+  __syncthreads();
+  if (!last) return;
+  __threadfence_system();
+  meetPeers(signals, control);
+}
+
+/// Each color has a launch of its own: between two there is an exchange.
+__global__ void requireColors(Control* control, const int* colors, Room room) {
+  awaitPrevious();
+  if (control->stop != 0) return;
+  control->wideColors = *colors;
+  checkRoom(control, *colors, room);
+}
+
+}  // namespace
+
+struct CudaPeers::Impl {
+  Impl(Transport& transport) : courier(transport) {}
+
+  RankCourier courier;
+  KeptBuffer cut, owner, ownerBefore, moves, movesBefore, seen, seenBy, sliceOwner, sees, extraRow,
+      extraJoint[JointTypes::kSize], sums, lists[kPeerLists], listed, at, flags, signals;
+  DeviceBuffer scratch;
+  PeerSignals signal{};
+  PeerRank* places = nullptr;
+  int* flag = nullptr;
+  struct SumsOfStep {
+    PeerSums of[kMostPeers];
+  };
+  Pinned<SumsOfStep> sumsOfStep;
+  /// what lies on the device, by place
+  std::vector<PeerRank> sent[kBetweenSteps + 1];
+};
+
+CudaPeers::CudaPeers(DeviceTables& tables, cudaStream_t stream, Transport& transport,
+                     const RankOptions& options)
+    : tables_(tables), stream_(stream), impl_(std::make_unique<Impl>(transport)) {
+  if (kStrict) throw Error("backend", "a build without RUBBLE_STRICT for several GPUs", "cuda");
+  const int ranks = transport.ranks();
+  if (ranks > kMostPeers)
+    throw Error("ranks.devices", "at most " + std::to_string(kMostPeers) + " GPUs", std::to_string(ranks));
+  Impl& m = *impl_;
+  data_.rank = transport.rank(), data_.ranks = ranks;
+  m.cut.reserve(1, data_.cut), m.sums.reserve(kMostPeers, data_.sums);
+  m.listed.reserve(kPeerLists, data_.listed);
+  m.at.reserve(static_cast<std::size_t>((kBetweenSteps + 1) * kMostPeers), m.places);
+  PeerCut cut{};
+  cut.interval = options.cutInterval, cut.maxImbalance = options.maxImbalance, cut.holdsAll = 1;
+  checkCuda(cudaMemcpy(data_.cut, &cut, sizeof cut, cudaMemcpyHostToDevice), "cudaMemcpy");
+  unsigned* flags = nullptr;
+  m.signals.reserve(kMostPeers + 2, flags);
+  m.signal.rank = data_.rank, m.signal.ranks = ranks;
+  m.signal.flag = flags, m.signal.epoch = flags + kMostPeers, m.signal.arrived = flags + kMostPeers + 1;
+  m.signal.limit = static_cast<unsigned long long>(options.timeout * 1e9);
+  const std::vector<unsigned*> of = m.courier.gatherValue(flags);
+  std::ranges::copy(of, m.signal.of);
+  const std::vector<int> devices = m.courier.gatherValue([] {
+    int device = 0;
+    checkCuda(cudaGetDevice(&device), "cudaGetDevice");
+    return device;
+  }());
+  for (int r = 0; r < ranks; ++r) {
+    if (r == data_.rank || devices[std::size_t(r)] == devices[std::size_t(data_.rank)]) continue;
+    const cudaError_t status = cudaDeviceEnablePeerAccess(devices[std::size_t(r)], 0);
+    if (status == cudaErrorPeerAccessAlreadyEnabled)
+      cudaGetLastError();
+    else
+      checkCuda(status, "cudaDeviceEnablePeerAccess");
+  }
+}
+CudaPeers::~CudaPeers() = default;
+
+int CudaPeers::mostOf(PeerList list) const {
+  switch (list) {
+    case PeerList::Pairs:
+      return tables_.capacity(Per::Pair);
+    case PeerList::ActivePairs:
+      return tables_.capacity(Per::ActivePair);
+    case PeerList::Rows:
+    case PeerList::OwnRows:
+    case PeerList::ExtraRows:
+      return tables_.capacity(Per::Manifold);
+    case PeerList::Bodies:
+      return tables_.capacity(Per::Body);
+    case PeerList::Slices:
+    case PeerList::SeenSlices:
+      return tables_.capacity(Per::Slice);
+    default: {
+      const int type = (static_cast<int>(list) - static_cast<int>(PeerList::FirstJoint)) / kPeerJointLists;
+      return tables_.capacity(perJoint(type));
+    }
+  }
+}
+
+void CudaPeers::reserve() {
+  Impl& m = *impl_;
+  const auto capacity = [&](Per per) { return static_cast<std::size_t>(tables_.capacity(per)); };
+  const std::size_t bodies = capacity(Per::Body);
+  data_.stride = static_cast<int>(bodies);
+  m.owner.reserve(bodies, data_.owner), m.ownerBefore.reserve(bodies, data_.ownerBefore);
+  m.moves.reserve(bodies, data_.moves), m.movesBefore.reserve(bodies, data_.movesBefore);
+  m.seen.reserve(bodies * static_cast<std::size_t>(data_.ranks), data_.seen);
+  m.seenBy.reserve(bodies, data_.seenBy);
+  m.sliceOwner.reserve(capacity(Per::Slice), data_.sliceOwner);
+  m.sees.reserve(capacity(Per::Aggregate), data_.sees);
+  m.extraRow.reserve(capacity(Per::Manifold), data_.extraRow);
+  for (int type = 0; type < JointTypes::kSize; ++type)
+    m.extraJoint[type].reserve(capacity(perJoint(type)), data_.extraJoint[type]);
+  int most = 1;
+  for (int k = 0; k < kPeerLists; ++k) {
+    const int n = mostOf(static_cast<PeerList>(k));
+    m.lists[k].reserve(static_cast<std::size_t>(n), data_.list[k]);
+    most = std::max(most, n);
+  }
+  m.flags.reserve(static_cast<std::size_t>(most), m.flag);
+  std::size_t bytes = 0;
+  const auto flags = thrust::make_transform_iterator(thrust::make_counting_iterator(0), FlagAt{});
+  checkCuda(cub::DeviceSelect::Flagged(nullptr, bytes, thrust::make_counting_iterator(0), flags,
+                                       static_cast<int*>(nullptr), static_cast<int*>(nullptr), most, stream_),
+            "selection");
+  m.scratch.reserve(bytes);
+}
+
+std::size_t CudaPeers::bytes() const {
+  const Impl& m = *impl_;
+  std::size_t sum = m.scratch.size() + m.flags.size() + m.seen.size() + 3 * m.owner.size() +
+                    m.extraRow.size();
+  for (const KeptBuffer& list : m.lists) sum += list.size();
+  return sum;
+}
+
+void CudaPeers::meet(int place) {
+  Impl& m = *impl_;
+  PeerRank own{tables(), data_};
+  if (place != kBetweenSteps) {
+    holdsAll_ = false;
+    // in a step ranks store rows only where they will lie
+    own.s.contact = reinterpret_cast<ContactRows*>(own.s.oldManifold);
+  }
+  PeerRank* const to = m.places + place * kMostPeers;
+  data_.at = own.p.at = to;
+  std::vector<PeerRank> all = m.courier.gatherValue(own);
+  std::vector<PeerRank>& sent = m.sent[place];
+  if (sent.size() == all.size() && std::memcmp(sent.data(), all.data(), all.size() * sizeof(PeerRank)) == 0)
+    return;
+  sent = std::move(all);
+  checkCuda(cudaMemcpyAsync(to, sent.data(), sent.size() * sizeof(PeerRank), cudaMemcpyHostToDevice, stream_),
+            "cudaMemcpyAsync");
+  checkCuda(cudaStreamSynchronize(stream_), "addresses of other devices");
+  // nobody stores before all have the addresses
+  m.courier.gatherValue(place);
+}
+
+void CudaPeers::requireAll(int lacking, int needed) const {
+  if (lacking == kLostPeer)
+    throw RankFailure("GPU " + std::to_string(needed) + " does not answer GPU " + std::to_string(data_.rank));
+}
+
+void CudaPeers::restart() {
+  holdsAll_ = true;
+  const int values[] = {1, 0};
+  checkCuda(cudaMemcpyAsync(&data_.cut->holdsAll, &values[0], sizeof(int), cudaMemcpyHostToDevice, stream_),
+            "cudaMemcpyAsync");
+  checkCuda(cudaMemcpyAsync(&data_.cut->bodies, &values[1], sizeof(int), cudaMemcpyHostToDevice, stream_),
+            "cudaMemcpyAsync");
+  checkCuda(cudaStreamSynchronize(stream_), "cudaMemcpyAsync");
+}
+
+std::vector<RankReport> CudaPeers::reports() const {
+  std::vector<RankReport> out;
+  for (int r = 0; r < data_.ranks; ++r) {
+    const PeerSums& of = impl_->sumsOfStep->of[r];
+    out.push_back({.bodies = of.bodies, .ghosts = of.ghosts, .rows = of.rows, .migrated = of.migrated});
+  }
+  return out;
+}
+
+// Operations of a step.
+
+void CudaPeers::begin() { planned_ = activeListed_ = summed_ = false; }
+
+template <class Kernel> void CudaPeers::each(const Kernel& kernel, int n) {
+  KernelLauncher& launcher = *launcher_;
+  if (launcher.begins() && n > 0) launcher.launch(kernel, {n, nullptr}, n, Kernel::kStage);
+}
+template <class Kernel> void CudaPeers::each(const Kernel& kernel, int Counters::*n) {
+  KernelLauncher& launcher = *launcher_;
+  if (launcher.begins())
+    launcher.launch(kernel, {0, launcher.counter(n)}, launcher.capacityOf(n), Kernel::kStage);
+}
+template <class Kernel> void CudaPeers::eachOld(const Kernel& kernel) {
+  KernelLauncher& launcher = *launcher_;
+  if (launcher.begins())
+    launcher.launch(kernel, {0, tables().oldPairOffset + tables().bodies}, tables_.capacity(Per::Pair),
+                    Kernel::kStage);
+}
+template <class Kernel> void CudaPeers::eachOf(PeerList list, const Kernel& kernel) {
+  KernelLauncher& launcher = *launcher_;
+  if (launcher.begins())
+    launcher.launch(kernel, {0, countOf(list), elements(list)}, mostOf(list), Kernel::kStage);
+}
+template <class Test> void CudaPeers::select(PeerList list, const Test& test, int n) {
+  Impl& m = *impl_;
+  KernelLauncher& launcher = *launcher_;
+  if (!launcher.begins()) return;
+  if (n > 0) launcher.launch(MarkListed<Test>{test, m.flag}, {n, nullptr}, n, "ranks");
+  std::size_t bytes = m.scratch.size();
+  const auto flags = thrust::make_transform_iterator(thrust::make_counting_iterator(0),
+                                                     FlagAt{{m.flag, nullptr, n, mostOf(list)}});
+  checkCuda(cub::DeviceSelect::Flagged(m.scratch.data(), bytes, thrust::make_counting_iterator(0), flags,
+                                       data_.list[static_cast<int>(list)],
+                                       data_.listed + static_cast<int>(list), n, stream_),
+            "selection");
+  launcher.afterKernel_ = false;
+}
+template <class Test> void CudaPeers::select(PeerList list, const Test& test, int Counters::*n) {
+  Impl& m = *impl_;
+  KernelLauncher& launcher = *launcher_;
+  if (!launcher.begins()) return;
+  const int most = std::min(launcher.capacityOf(n), mostOf(list));
+  launcher.launch(MarkListed<Test>{test, m.flag}, {0, launcher.counter(n)}, most, "ranks");
+  std::size_t bytes = m.scratch.size();
+  const auto flags = thrust::make_transform_iterator(thrust::make_counting_iterator(0),
+                                                     FlagAt{{m.flag, launcher.counter(n), 0, most}});
+  checkCuda(cub::DeviceSelect::Flagged(m.scratch.data(), bytes, thrust::make_counting_iterator(0), flags,
+                                       data_.list[static_cast<int>(list)],
+                                       data_.listed + static_cast<int>(list), most, stream_),
+            "selection");
+  launcher.afterKernel_ = false;
+}
+void CudaPeers::barrier() {
+  KernelLauncher& launcher = *launcher_;
+  if (!launcher.begins()) return;
+  launcher.launchNext(storeAndMeet<StoreNothing>, {1, kThreads}, "ranks", tables(), StoreNothing{},
+                      Count{0, nullptr}, impl_->signal, static_cast<const int*>(nullptr), launcher.control_);
+}
+void CudaPeers::barrierIf(int Counters::*counter) {
+  KernelLauncher& launcher = *launcher_;
+  if (!launcher.begins()) return;
+  launcher.launchNext(storeAndMeet<StoreNothing>, {1, kThreads}, "ranks", tables(), StoreNothing{},
+                      Count{0, nullptr}, impl_->signal, static_cast<const int*>(launcher.counter(counter)),
+                      launcher.control_);
+}
+
+void CudaPeers::plan() {
+  if (!std::exchange(planned_, true)) peers::plan(*this);
+}
+void CudaPeers::listActivePairs() {
+  if (!std::exchange(activeListed_, true)) peers::listActivePairs(*this);
+}
+void CudaPeers::closeOtherTrees() { each(CloseOtherTrees{{data_}}, tables().treeNodes); }
+
+void CudaPeers::beginColors(int limit) {
+  plan();
+  peers::beginColors(*this);
+  KernelLauncher& launcher = *launcher_;
+  if (!launcher.begins()) return;
+  launcher.launchNext(requireColors, {1, 1}, "ranks", launcher.control_,
+                      static_cast<const int*>(launcher.counter(&Counters::colors)),
+                      Room{static_cast<int>(Per::Color), limit, launcher.operation()});
+}
+void CudaPeers::shareColor(int color, const int* highDegree, int blocks) {
+  KernelLauncher& launcher = *launcher_;
+  launcher.launchNext(storeColor, {std::max(1, blocks), kThreads}, "ranks", tables(),
+                      ShareColorAndHighDegree{{data_}, color, highDegree}, impl_->signal, launcher.control_);
+}
+
+void CudaPeers::share(Share what, int which) {
+  switch (what) {
+    case Share::None:
+    case Share::ColorPoses:
+      return;
+    case Share::Owners:
+      return peers::beginStep(*this);
+    case Share::Activity:
+      return peers::shareActivity(*this);
+    case Share::Touches:
+      return peers::shareTouches(*this);
+    case Share::Rows:
+      return peers::shareRows(*this);
+    case Share::NodePoses:  // all that see a body have its pose
+      if (!std::exchange(summed_, tables().plan.coarseCorrection)) peers::beginSums(*this);
+      return;
+    case Share::SliceSums:
+      return peers::shareSums(*this, which);
+    case Share::TreePoses:
+      return peers::shareTreePoses(*this);
+    case Share::Motion:
+      return peers::shareMotion(*this);
+    case Share::Breaks:
+      return peers::shareBreaks(*this);
+    case Share::FastPairs:
+      return peers::shareFastPairs(*this);
+    case Share::BounceRows:
+      return peers::shareBounces(*this);
+    case Share::Gaps:
+      return peers::shareProjections(*this);
+    case Share::Counts:
+      peers::shareCounts(*this);
+      if (!launcher_->begins()) return;
+      checkCuda(cudaMemcpyAsync(impl_->sumsOfStep.get(), data_.sums,
+                                sizeof(PeerSums) * static_cast<std::size_t>(data_.ranks),
+                                cudaMemcpyDeviceToHost, stream_),
+                "cudaMemcpyAsync");
+      launcher_->afterKernel_ = false;
+  }
+}
+
+void CudaPeers::gatherState() {
+  peers::gatherState(*this);
+  const int one = 1;
+  checkCuda(cudaMemcpyAsync(&data_.cut->holdsAll, &one, sizeof one, cudaMemcpyHostToDevice, stream_),
+            "cudaMemcpyAsync");
+  launcher_->afterKernel_ = false;
+  holdsAll_ = true;
+}
+
+}  // namespace rubble::RUBBLE_CORE

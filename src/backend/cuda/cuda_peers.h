@@ -1,0 +1,88 @@
+#pragma once
+/// The part of one GPU in a world that several GPUs of a process step together (backend/peers/). Each has an
+/// engine and a host thread. This header is plain host code; device code is behind it.
+#include <memory>
+#include <vector>
+
+#include <rubble/ranks.h>
+
+#include "backend/cuda/device_memory.h"
+#include "backend/distributed/transport.h"
+#include "backend/division.h"
+#include "backend/peers/peer_data.h"
+
+namespace rubble::RUBBLE_CORE {
+
+class KernelLauncher;
+
+class CudaPeers {
+ public:
+  /// The transport carries addresses between the host threads. It must outlive this object.
+  CudaPeers(DeviceTables& tables, cudaStream_t stream, Transport& transport, const RankOptions& options);
+  ~CudaPeers();
+
+  // On the host, between steps and when a step stops.
+  /// Reserves as many elements as the tables have.
+  void reserve();
+  /// Exchanges the addresses of all tables. All ranks call it after tables may have grown. `place`: of the
+  /// addresses on the device: the parity of a step, or kBetweenSteps.
+  void meet(int place);
+  static constexpr int kBetweenSteps = 2;
+  /// Throws RankFailure if a step stopped because a device did not answer.
+  void requireAll(int lacking, int needed) const;
+  /// The tables were replaced or sorted. All ranks have the whole state.
+  void restart();
+  std::vector<RankReport> reports() const;
+  std::size_t bytes() const;
+
+  // In the order of the stream: operations of a step.
+  void use(KernelLauncher& launcher) { launcher_ = &launcher; }
+  /// A walk through the step begins.
+  void begin();
+  void share(Share what, int which = 0);
+  /// What ranks see, once per step.
+  void plan();
+  /// Trees of other ranks count as converged.
+  void closeOtherTrees();
+  /// Before the first color of a sweep. `limit`: colors that are launched.
+  void beginColors(int limit);
+  /// Stores the poses of one color, by that many blocks. `highDegree`: the number of own bodies that are in
+  /// no list of a color, and these bodies.
+  void shareColor(int color, const int* highDegree, int blocks);
+  /// Between steps, after meet(): gives the state of all pairs and joints to all ranks.
+  void gatherState();
+  /// Returns whether all ranks have that state.
+  bool holdsAll() const { return holdsAll_; }
+
+  const PeerData& data() const { return data_; }
+  /// A list: its elements and, in device memory, their number.
+  const int* elements(PeerList list) const { return data_.list[static_cast<int>(list)]; }
+  const int* countOf(PeerList list) const { return data_.listed + static_cast<int>(list); }
+  /// Lists near active pairs, once per step.
+  void listActivePairs();
+
+  // The machine of peer_phases.h.
+  static constexpr bool kCountsNear = true;
+  const SolverData& tables() const { return tables_.view(); }
+  template <class Kernel> void each(const Kernel& kernel, int n);
+  template <class Kernel> void each(const Kernel& kernel, int Counters::*n);
+  template <class Kernel> void eachOld(const Kernel& kernel);
+  template <class Kernel> void eachOf(PeerList list, const Kernel& kernel);
+  template <class Test> void select(PeerList list, const Test& test, int n);
+  template <class Test> void select(PeerList list, const Test& test, int Counters::*n);
+  void barrier();
+  void barrierIf(int Counters::*counter);
+
+ private:
+  struct Impl;
+  int mostOf(PeerList list) const;
+
+  DeviceTables& tables_;
+  cudaStream_t stream_;
+  KernelLauncher* launcher_ = nullptr;
+  PeerData data_;
+  std::unique_ptr<Impl> impl_;
+  bool planned_ = false, activeListed_ = false, summed_ = false, holdsAll_ = true;
+};
+
+}  // namespace rubble::RUBBLE_CORE

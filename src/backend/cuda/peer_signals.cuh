@@ -1,0 +1,74 @@
+#pragma once
+/// The barrier of several GPUs of one process: a kernel stores into the tables of others, then raises a flag
+/// at each and waits for theirs. Barriers are counted on the device, so that a captured graph may hold them.
+#include "backend/cuda/kernels.cuh"
+#include "backend/peers/peer_data.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Flags of one device, in its memory, and where those of others are.
+struct PeerSignals {
+  int rank, ranks;
+  unsigned* epoch;           ///< barriers so far
+  unsigned* arrived;         ///< blocks of this kernel that have stored; 0 between kernels
+  unsigned* flag;            ///< [ranks] barriers that others have reached
+  unsigned* of[kMostPeers];  ///< `flag` of each device
+  unsigned long long limit;  ///< longest wait [ns]
+};
+
+__device__ inline unsigned long long nanoseconds() {
+  unsigned long long now;
+  asm volatile("mov.u64 %0, %%globaltimer;" : "=l"(now));
+  return now;
+}
+__device__ inline void raiseFlag(unsigned* flag, unsigned value) {
+  asm volatile("st.release.sys.global.u32 [%0], %1;" ::"l"(flag), "r"(value) : "memory");
+}
+__device__ inline unsigned readFlag(const unsigned* flag) {
+  unsigned value;
+  asm volatile("ld.acquire.sys.global.u32 %0, [%1];" : "=r"(value) : "l"(flag) : "memory");
+  return value;
+}
+
+/// The barrier, by one block. A device that does not answer in time stops the step.
+__device__ inline void meetPeers(const PeerSignals& g, Control* control) {
+  const int r = static_cast<int>(threadIdx.x);
+  const unsigned epoch = *g.epoch + 1;
+  if (r < g.ranks && r != g.rank) {
+    raiseFlag(g.of[r] + g.rank, epoch);
+    const unsigned long long begin = nanoseconds();
+    while (static_cast<int>(readFlag(g.flag + r) - epoch) < 0)
+      if (nanoseconds() - begin > g.limit) {
+        lack(control, 0, kLostPeer, r);
+        break;
+      }
+  }
+  __syncthreads();
+  if (r == 0) *g.epoch = epoch, *g.arrived = 0;
+}
+
+/// push(s, element) for n elements, and a barrier by the last block that has stored its part. Nothing if
+/// `condition` points to zero.
+template <class Push>
+__global__ void __launch_bounds__(kThreads)
+    storeAndMeet(const __grid_constant__ SolverData s, const Push push, Count n, PeerSignals signals,
+                 const int* condition, Control* control) {
+  awaitPrevious();
+  if (control->stop != 0 || (condition && *condition == 0)) return;
+  runStrided(s, push, n.get(), [&](int k) { return elementOf<Push>(n, k); });
+  // what the threads of all blocks have stored comes before the flags
+  __threadfence_system();
+  __shared__ bool last;
+  __syncthreads();
+  if (threadIdx.x == 0) last = atomicAdd(signals.arrived, 1u) + 1 == gridDim.x;
+  __syncthreads();
+  if (!last) return;
+  __threadfence_system();
+  meetPeers(signals, control);
+}
+
+struct StoreNothing {
+  __device__ void operator()(const SolverData&, int) const {}
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,280 @@
+#include "backend/distributed/peer_division.h"
+
+#include <algorithm>
+
+namespace rubble::RUBBLE_CORE {
+
+PeerDivision::PeerDivision(HostTables& tables, Transport& transport, const RankOptions& options)
+    : tables_(tables),
+      courier_(transport),
+      exchange_(options.exchange),
+      ranks_(static_cast<std::size_t>(transport.ranks())),
+      sums_(static_cast<std::size_t>(transport.ranks())) {
+  data_.rank = transport.rank(), data_.ranks = transport.ranks();
+  data_.at = ranks_.data(), data_.cut = &cut_, data_.sums = sums_.data(), data_.listed = listed_;
+  cut_.interval = options.cutInterval, cut_.maxImbalance = options.maxImbalance;
+  restart();
+}
+
+void PeerDivision::fit() {
+  const SolverData& s = tables();
+  const auto size = [](auto& array, std::size_t n, auto*& to) {
+    if (array.size() < n) array.resize(n);
+    to = array.data();
+  };
+  const auto capacity = [&](Per per) { return static_cast<std::size_t>(tables_.capacity(per)); };
+  const std::size_t bodies = capacity(Per::Body);
+  data_.stride = static_cast<int>(bodies);
+  size(owner_, bodies, data_.owner), size(ownerBefore_, bodies, data_.ownerBefore);
+  size(moves_, bodies, data_.moves), size(movesBefore_, bodies, data_.movesBefore);
+  size(seen_, bodies * static_cast<std::size_t>(data_.ranks), data_.seen);
+  size(seenBy_, bodies, data_.seenBy);
+  size(sliceOwner_, static_cast<std::size_t>(s.counters->slices), data_.sliceOwner);
+  size(sees_, static_cast<std::size_t>(s.counters->aggregates), data_.sees);
+  size(extraRow_, static_cast<std::size_t>(s.counters->manifolds), data_.extraRow);
+  for (int type = 0; type < JointTypes::kSize; ++type)
+    size(extraJoint_[type], static_cast<std::size_t>(s.joints[type]), data_.extraJoint[type]);
+}
+
+template <class Test> void PeerDivision::select(PeerList list, const Test& test, int n) {
+  List& to = lists_[static_cast<int>(list)];
+  to.index.clear(), to.other.clear();
+  for (int i = 0; i < n; ++i) {
+    if (!test(tables(), i)) continue;
+    to.index.push_back(i);
+    if constexpr (requires { test.ownerOf(tables(), i); })
+      if (!data_.counts(test.ownerOf(tables(), i))) to.other.push_back(i);
+  }
+  listed_[static_cast<int>(list)] = static_cast<int>(to.index.size());
+}
+
+template <class Test> Division::Part PeerDivision::partOf(const List& list, Test&& test) {
+  part_.clear(), spare_.clear();
+  auto other = list.other.begin();
+  for (const int i : list.index) {
+    const bool counts = other == list.other.end() || *other != i;
+    if (!counts) ++other;
+    if (test(i)) (counts ? part_ : spare_).push_back(i);
+  }
+  const int counted = static_cast<int>(part_.size());
+  part_.insert(part_.end(), spare_.begin(), spare_.end());
+  return {part_.data(), counted, static_cast<int>(part_.size())};
+}
+
+Division::Part PeerDivision::partOf(PeerList list) {
+  return partOf(lists_[static_cast<int>(list)], [](int) { return true; });
+}
+
+template <class Mine> Division::Part PeerDivision::partBy(int n, Mine&& mine) {
+  part_.clear();
+  for (int i = 0; i < n; ++i)
+    if (mine(i)) part_.push_back(i);
+  return {part_.data(), static_cast<int>(part_.size()), static_cast<int>(part_.size())};
+}
+
+/// The elements of a list of joints, with several parts per joint.
+Division::Part PeerDivision::partOfJoints(PeerJoints kind, int n, int type) {
+  Part joints = partOf(listOfJoints(kind, type));
+  const int perJoint = n / tables().joints[type];
+  if (perJoint == 1) return joints;
+  spare_.clear();
+  for (const int i : part_)
+    for (int k = 0; k < perJoint; ++k) spare_.push_back(i * perJoint + k);
+  part_.swap(spare_);
+  return {part_.data(), joints.counted * perJoint, static_cast<int>(part_.size())};
+}
+
+int PeerDivision::ownerOfNode(int n) const {
+  const int body = tables().treeNode[n].body;
+  return body < 0 ? kEveryPeer : data_.owner[body];
+}
+
+Division::Part PeerDivision::part(Cut cut, int n, int which) {
+  const SolverData& s = tables();
+  const auto levelOf = [&](int slice) { return s.aggregate[s.slice[slice].aggregate].level; };
+  if (cut > Cut::Tested) plan();
+  switch (cut) {
+    case Cut::Whole:
+    case Cut::Tested:  // this rank lists near pairs only
+      return {nullptr, n, n};
+    case Cut::Pairs:
+      return partOf(PeerList::Pairs);
+    case Cut::ActivePairs:
+      if (!std::exchange(activeListed_, true)) peers::listActivePairs(*this);
+      return partOf(PeerList::ActivePairs);
+    case Cut::Rows:
+      return partOf(PeerList::Rows);
+    case Cut::OwnRows:
+      return partOf(PeerList::OwnRows);
+    case Cut::Bodies:
+      return partOf(PeerList::Bodies);
+    case Cut::Slices:
+      // room for the constraints of all slices, so that tables grow alike
+      for (int i = 0; i < n; ++i) CountBoundary{}(s, i);
+      return partOf(PeerList::Slices);
+    case Cut::LevelSlices:
+      return partOf(lists_[static_cast<int>(PeerList::Slices)], [&](int i) { return levelOf(i) == which; });
+    case Cut::SeenSlices:
+      return partOf(PeerList::SeenSlices);
+    case Cut::LevelMoves:
+      return partOf(lists_[static_cast<int>(PeerList::SeenSlices)], [&](int i) {
+        return levelOf(i) == which &&
+               std::any_of(&s.aggregateNode[0] + s.slice[i].begin, &s.aggregateNode[0] + s.slice[i].end,
+                           [&](int node) { return isSeen(node); });
+      });
+    case Cut::SeenAggregates:
+      return partBy(n, [&](int i) { return data_.sees[i] != 0; });
+    case Cut::LevelAggregates: {
+      List all;
+      for (int i = s.levelAggregate[which]; i < s.levelAggregate[which + 1]; ++i) {
+        if (data_.sees[i] == 0) continue;
+        all.index.push_back(i);
+        if (!data_.counts(data_.sliceOwner[s.aggregate[i].sliceBegin])) all.other.push_back(i);
+      }
+      return partOf(all, [](int) { return true; });
+    }
+    case Cut::Joints:
+      return partOfJoints(PeerJoints::All, n, which);
+    case Cut::OwnJoints:
+      return partOfJoints(PeerJoints::Own, n, which);
+    case Cut::TreeNodes:
+      return partBy(n, [&](int k) { return s.treeNode[k].body >= 0 && data_.isMine(ownerOfNode(k)); });
+    case Cut::LevelNodes:
+      return partBy(n, [&](int k) { return data_.isMine(ownerOfNode(s.levelNode[which + k])); });
+    case Cut::SmallTrees:
+      return partBy(n, [&](int k) {
+        const SmallTree& tree = s.smallTree[k];
+        return tree.begin < tree.end && data_.isMine(ownerOfNode(tree.begin));
+      });
+  }
+  return {};
+}
+
+Division::Part PeerDivision::color(int color) {
+  plan();
+  if (color == 0) settle(), peers::beginColors(*this);
+  const SolverData& s = tables();
+  const Part part = partOf(lists_[static_cast<int>(PeerList::Bodies)],
+                           [&](int i) { return isSwept(s, i) && s.color[i] == color; });
+  colorList_ = part_;
+  return part;
+}
+
+void PeerDivision::plan() {
+  if (std::exchange(planned_, true)) return;
+  settle();
+  fit();
+  peers::plan(*this);
+}
+
+void PeerDivision::share(Share what, int which) {
+  if (what == Share::None) return;
+  if (what == Share::Owners) {
+    planned_ = activeListed_ = summed_ = atRest_ = false;
+    fit();
+  }
+  settle();
+  switch (what) {
+    case Share::None:
+      return;
+    case Share::Owners:
+      return peers::beginStep(*this);
+    case Share::Activity:
+      return peers::shareActivity(*this);
+    case Share::Touches:
+      return peers::shareTouches(*this);
+    case Share::Rows:
+      return peers::shareRows(*this);
+    case Share::NodePoses:  // all that see a body have its pose
+      if (std::exchange(summed_, tables().plan.coarseCorrection)) return;
+      return peers::beginSums(*this);
+    case Share::SliceSums:
+      return peers::shareSums(*this, which);
+    case Share::ColorPoses:
+      each(ShareColor{{data_}, colorList_.data()}, static_cast<int>(colorList_.size()));
+      return barrier();
+    case Share::TreePoses:
+      return peers::shareTreePoses(*this);
+    case Share::Motion:
+      return peers::shareMotion(*this);
+    case Share::Breaks:
+      return peers::shareBreaks(*this);
+    case Share::FastPairs:
+      return peers::shareFastPairs(*this);
+    case Share::BounceRows:
+      return peers::shareBounces(*this);
+    case Share::Gaps:
+      return peers::shareProjections(*this);
+    case Share::Counts:
+      // the tables of the next step
+      swaps_ = atRest_ = true;
+      peers::shareCounts(*this);
+      swaps_ = false;
+      reports_.clear();
+      for (const PeerSums& of : sums_)
+        reports_.push_back(
+            {.bodies = of.bodies, .ghosts = of.ghosts, .rows = of.rows, .migrated = of.migrated});
+  }
+}
+
+void PeerDivision::gatherState() {
+  if (std::exchange(cut_.holdsAll, 1)) return;
+  peers::gatherState(*this);
+}
+
+void PeerDivision::settle() {
+  for (int per = 0; per < kPerCount; ++per)
+    if (capacities_.empty() || capacities_[std::size_t(per)] != tables_.capacity(static_cast<Per>(per)))
+      return barrier();
+}
+
+void PeerDivision::barrier() {
+  capacities_.resize(kPerCount);
+  for (int per = 0; per < kPerCount; ++per)
+    capacities_[std::size_t(per)] = tables_.capacity(static_cast<Per>(per));
+  PeerRank own{tables(), data_};
+  if (swaps_) {
+    std::swap(own.s.manifold, own.s.oldManifold), std::swap(own.s.oldPairTest, own.s.pairTest);
+    std::swap(own.s.rolling, own.s.oldRolling);
+  }
+  // in a step ranks store rows only where they will lie
+  if (!atRest_ || swaps_)
+    own.s.contact = arrayOf(reinterpret_cast<ContactRows*>(static_cast<Manifold*>(own.s.oldManifold)),
+                            static_cast<std::size_t>(tables_.capacity(Per::ActivePair)));
+  passTurn();
+  std::ranges::copy(courier_.gatherValue(own), ranks_.begin());
+  ++turn_;
+  if (exchange_ == RankExchange::StoresInTurns && !atRest_) takeTurn();
+}
+
+namespace {
+
+/// The rank that comes next after `rank` in the interval after a barrier, or -1. Odd intervals go backward.
+int after(int rank, int ranks, int turn, bool forward) {
+  const int first = turn / 2 % ranks, step = (turn % 2 == 0) == forward ? 1 : ranks - 1;
+  const int end = forward == (turn % 2 == 0) ? (first + ranks - 1) % ranks : first;
+  return rank == end ? -1 : (rank + step) % ranks;
+}
+
+}  // namespace
+
+void PeerDivision::passTurn() {
+  if (!std::exchange(hasTurn_, false)) return;
+  if (const int next = after(data_.rank, data_.ranks, turn_, true); next >= 0) {
+    RankTraffic token;
+    token.clear(data_.ranks);
+    token.give[std::size_t(next)] = {0};
+    courier_.swap(token, &turn_);
+  }
+}
+void PeerDivision::takeTurn() {
+  hasTurn_ = true;
+  if (const int before = after(data_.rank, data_.ranks, turn_, false); before >= 0) {
+    RankTraffic token;
+    token.clear(data_.ranks);
+    token.take[std::size_t(before)] = {0};
+    courier_.swap(token, &turn_);
+  }
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,211 @@
+#pragma once
+/// Ranks that store into one another's tables: GPUs of one process, or threads. Written once for CPU and GPU.
+///
+/// All ranks have tables with the same indices, so an exchange is a store of an element into the same place
+/// of another rank's table, and a barrier of all ranks. Between two barriers a rank does not read what others
+/// store, except where they store what is there already (peer_phases.h names the reason at each exchange).
+#include "stages/step.h"
+
+namespace rubble::RUBBLE_CORE {
+
+inline constexpr int kMostPeers = 8;
+/// Owner of bodies that every rank solves: those that touch deformable objects.
+inline constexpr int kEveryPeer = -1;
+
+/// Lists of the elements that a rank runs. Those of joints follow, by type.
+enum class PeerList { Pairs, ActivePairs, Rows, OwnRows, ExtraRows, Bodies, Slices, SeenSlices, FirstJoint };
+inline constexpr int kPeerJointLists = 3;  ///< of a type: all that are evaluated, near ones, extra ones
+inline constexpr int kPeerLists = static_cast<int>(PeerList::FirstJoint) +
+                                  kPeerJointLists * JointTypes::kSize;
+enum class PeerJoints { All, Own, Extra };
+constexpr PeerList listOfJoints(PeerJoints kind, int type) {
+  return static_cast<PeerList>(static_cast<int>(PeerList::FirstJoint) + kPeerJointLists * type +
+                               static_cast<int>(kind));
+}
+
+/// Where the table of bodies is cut, and what the last cut left behind. The same on all ranks.
+struct PeerCut {
+  int begin[kMostPeers];  ///< first body of each rank
+  int bodies;             ///< bodies that were cut; 0: none
+  int known;              ///< bodies that have an owner
+  int since;              ///< steps since the cut
+  int changed;            ///< 1: some body has another owner than in the last step
+  int holdsAll;           ///< 1: all ranks have the state of all pairs and joints
+  int interval;           ///< RankOptions::cutInterval
+  double maxImbalance;    ///< RankOptions::maxImbalance
+};
+
+/// Numbers of one rank, which it stores into the tables of all others.
+struct PeerSums {
+  int bounces;             ///< of its counters
+  int broken, brokenNear;  ///< joints that broke: those that it counts, and all near ones
+  int contacts, recycled, failedSolves, boundedSteps;
+  int bodies, ghosts, rows, migrated;  ///< RankReport
+};
+
+struct PeerRank;
+
+/// What a rank has for its part of a step, beside its tables. Arrays have the capacity of the tables.
+struct PeerData {
+  int rank = 0, ranks = 1;
+  int stride = 0;                ///< capacity for bodies
+  const PeerRank* at = nullptr;  ///< [ranks] the tables of all ranks
+  PeerCut* cut = nullptr;
+  int *owner = nullptr, *ownerBefore = nullptr;           ///< [bodies] rank, or kEveryPeer
+  std::uint8_t *moves = nullptr, *movesBefore = nullptr;  ///< [bodies] 1: dynamic, asleep or not
+  std::uint8_t* seen = nullptr;  ///< [ranks][bodies] 1: that rank needs the pose; rows of others: own bodies
+  int* seenBy = nullptr;         ///< [bodies] of own bodies: bit r: rank r sees it
+  int* sliceOwner = nullptr;     ///< [slices]
+  std::uint8_t* sees = nullptr;  ///< [aggregates] 1: it moves a body that this rank sees
+  std::uint8_t* extraRow = nullptr;                  ///< [rows] 1: evaluated for a slice alone
+  std::uint8_t* extraJoint[JointTypes::kSize] = {};  ///< [joints] the same
+  PeerSums* sums = nullptr;                          ///< [ranks]
+  int* list[kPeerLists] = {};                        ///< ascending indices
+  int* listed = nullptr;                             ///< [lists] how many
+
+  RUBBLE_HD bool isMine(int body) const { return body == rank || body == kEveryPeer; }
+  /// Does this rank count an element of that owner?
+  RUBBLE_HD bool counts(int body) const { return body == rank || (body == kEveryPeer && rank == 0); }
+  RUBBLE_HD std::uint8_t& sightOf(int of, int body) const {
+    return seen[static_cast<std::size_t>(of) * static_cast<std::size_t>(stride) +
+                static_cast<std::size_t>(body)];
+  }
+  RUBBLE_HD bool has(int body) const { return body >= 0 && body < cut->known; }
+  /// Is the body solved here, or does a constraint or slice of this rank need its pose?
+  RUBBLE_HD bool isSeen(int body) const { return isMine(owner[body]) || sightOf(rank, body) != 0; }
+};
+
+/// A rank as others see it.
+struct PeerRank {
+  SolverData s;
+  PeerData p;
+};
+
+/// Calls f(tables, data) for every other rank.
+template <class F> RUBBLE_HD void forEachPeer(const PeerData& p, F&& f) {
+  for (int r = 0; r < p.ranks; ++r)
+    if (r != p.rank) f(p.at[r].s, p.at[r].p);
+}
+
+/// The bodies of a constraint.
+struct PeerEnds {
+  int count;
+  int body[4];
+};
+RUBBLE_HD inline PeerEnds endsOfPair(const Pair& pair) { return {2, {pair.owner, pair.other, -1, -1}}; }
+template <class F> RUBBLE_HD PeerEnds endsOfJoint(const SolverData& s, int joint) {
+  static_assert(kSides<F> <= 4);
+  PeerEnds ends{kSides<F>, {-1, -1, -1, -1}};
+  for (int side = 0; side < kSides<F>; ++side) ends.body[side] = bodyOf(s.specsOf<F>()[joint], side);
+  return ends;
+}
+
+/// The owner of the first dynamic body; if there is none, of the first body.
+RUBBLE_HD inline int ownerOf(const PeerData& p, const int* owner, const std::uint8_t* moves,
+                             const PeerEnds& ends) {
+  int first = kEveryPeer;
+  bool found = false;
+  for (int k = 0; k < ends.count; ++k) {
+    const int body = ends.body[k];
+    if (!p.has(body)) continue;
+    if (moves[body]) return owner[body];
+    if (!found) first = owner[body], found = true;
+  }
+  return first;
+}
+RUBBLE_HD inline int ownerOf(const PeerData& p, const PeerEnds& ends) {
+  return ownerOf(p, p.owner, p.moves, ends);
+}
+/// Does this rank own a dynamic body of it, or, if there is none, the constraint?
+RUBBLE_HD inline bool actsHere(const PeerData& p, const PeerEnds& ends) {
+  bool moves = false;
+  for (int k = 0; k < ends.count; ++k) {
+    const int body = ends.body[k];
+    if (!p.has(body) || !p.moves[body]) continue;
+    if (p.isMine(p.owner[body])) return true;
+    moves = true;
+  }
+  return !moves && p.isMine(ownerOf(p, ends));
+}
+/// Has a body of it another owner than in the last step?
+RUBBLE_HD inline bool hasNewOwner(const PeerData& p, const PeerEnds& ends) {
+  for (int k = 0; k < ends.count; ++k)
+    if (const int body = ends.body[k];
+        p.has(body) && (p.owner[body] != p.ownerBefore[body] || p.moves[body] != p.movesBefore[body]))
+      return true;
+  return false;
+}
+
+RUBBLE_HD inline PeerEnds endsOfManifold(const SolverData& s, int i) {
+  return endsOfPair(s.pair[s.activePair[i]]);
+}
+RUBBLE_HD inline PeerEnds endsOfRow(const SolverData& s, int row) {
+  return endsOfManifold(s, s.rowBodies[row].manifold);
+}
+
+/// Predicates of the lists, and the owner of an element.
+struct NearPair {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int k) const { return actsHere(p, endsOfPair(s.pair[k])); }
+  RUBBLE_HD int ownerOf(const SolverData& s, int k) const {
+    return RUBBLE_CORE::ownerOf(p, endsOfPair(s.pair[k]));
+  }
+};
+struct NearActivePair {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int i) const { return actsHere(p, endsOfManifold(s, i)); }
+  RUBBLE_HD int ownerOf(const SolverData& s, int i) const {
+    return RUBBLE_CORE::ownerOf(p, endsOfManifold(s, i));
+  }
+};
+struct NearRow {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int row) const { return actsHere(p, endsOfRow(s, row)); }
+};
+struct ExtraRow {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData&, int row) const { return p.extraRow[row] != 0; }
+};
+struct EvaluatedRow {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int row) const {
+    return p.extraRow[row] != 0 || actsHere(p, endsOfRow(s, row));
+  }
+};
+template <class F> struct NearJoint {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int i) const { return actsHere(p, endsOfJoint<F>(s, i)); }
+  RUBBLE_HD int ownerOf(const SolverData& s, int i) const {
+    return RUBBLE_CORE::ownerOf(p, endsOfJoint<F>(s, i));
+  }
+};
+template <class F> struct ExtraJoint {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData&, int i) const {
+    return p.extraJoint[typeIndex<F>(JointTypes{})][i] != 0;
+  }
+};
+template <class F> struct EvaluatedJoint {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int i) const {
+    return ExtraJoint<F>{p}(s, i) || NearJoint<F>{p}(s, i);
+  }
+  RUBBLE_HD int ownerOf(const SolverData& s, int i) const { return NearJoint<F>{p}.ownerOf(s, i); }
+};
+struct OwnBody {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int i) const {
+    return isDynamic(s, i) && p.isMine(p.owner[i]);
+  }
+  RUBBLE_HD int ownerOf(const SolverData&, int i) const { return p.owner[i]; }
+};
+struct OwnSlice {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData&, int i) const { return p.isMine(p.sliceOwner[i]); }
+};
+struct SeenSlice {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int i) const { return p.sees[s.slice[i].aggregate] != 0; }
+};
+
+}  // namespace rubble::RUBBLE_CORE

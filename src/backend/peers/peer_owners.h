@@ -1,0 +1,189 @@
+#pragma once
+/// Owners of bodies, and the state of pairs and joints that new owners need.
+#include "backend/peers/peer_data.h"
+#include "stages/soft/body_corners.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Cost of a body without constraints, in constraints.
+inline constexpr int kPeerBodyCost = 2;
+/// Least number of steps between cuts by imbalance.
+inline constexpr int kPeerPause = 8;
+
+/// Moves the cut, by one thread. Costs are those of the last step: 2 per body and 1 per constraint.
+struct MoveCut {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD static std::int64_t costBefore(const SolverData& s, int body) {
+    return std::int64_t{kPeerBodyCost} * body + max(s.incidenceOffset[body], 0);
+  }
+  RUBBLE_HD void operator()(const SolverData& s, int) const {
+    PeerCut& cut = *p.cut;
+    cut.changed = 0, ++cut.since;
+    if (!isDue(s)) return;
+    cut.since = 0, cut.bodies = s.bodies;
+    const std::int64_t all = costBefore(s, s.bodies);
+    cut.begin[0] = 0;
+    for (int r = 1; r < p.ranks; ++r) {
+      int low = cut.begin[r - 1], high = s.bodies;
+      while (low < high) {
+        const int middle = low + (high - low) / 2;
+        if (costBefore(s, middle) * p.ranks < all * r)
+          low = middle + 1;
+        else
+          high = middle;
+      }
+      cut.begin[r] = low;
+    }
+  }
+
+ private:
+  RUBBLE_HD bool isDue(const SolverData& s) const {
+    const PeerCut& cut = *p.cut;
+    if (cut.bodies != s.bodies) return true;
+    if (cut.interval > 0) return cut.since >= cut.interval;
+    if (cut.since < kPeerPause) return false;
+    std::int64_t most = 0;
+    for (int r = 0; r < p.ranks; ++r)
+      most = max(most,
+                 costBefore(s, r + 1 < p.ranks ? cut.begin[r + 1] : s.bodies) - costBefore(s, cut.begin[r]));
+    const double mean = static_cast<double>(costBefore(s, s.bodies)) / p.ranks;
+    return static_cast<double>(most) > (1 + cut.maxImbalance) * mean;
+  }
+};
+
+struct FindHomes {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    // nobody has the state of a body that is new
+    p.ownerBefore[i] = i < p.cut->known ? p.owner[i] : kEveryPeer;
+    p.movesBefore[i] = p.moves[i];
+    int r = 0;
+    while (r + 1 < p.ranks && p.cut->begin[r + 1] <= i) ++r;
+    p.owner[i] = r;
+    p.moves[i] = s.params[i].kind == BodyKind::Dynamic;
+  }
+};
+/// Bodies that touch deformable objects are solved by every rank, as these objects are.
+struct ShareAttachedBodies {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    if (const int body = s.attachment[k].body; body >= 0 && body < s.bodies) p.owner[body] = kEveryPeer;
+  }
+};
+struct ShareTouchedBodies {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    const PointPair& pair = s.pointPair[k];
+    if (pair.other < kVertexNode && pair.other >= 0 && pair.other < s.bodies)
+      p.owner[pair.other] = kEveryPeer;
+    if (pair.vertex >= s.vertices + s.edges) p.owner[bodyOfOwner(s, pair.vertex)] = kEveryPeer;
+  }
+};
+/// All bodies of a joint tree have one owner.
+struct ShareTrees {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
+    if (const TreeNode& node = s.treeNode[n]; node.body >= 0 && p.owner[node.body] == kEveryPeer)
+      p.owner[s.treeNode[node.tree].body] = kEveryPeer;
+  }
+};
+struct UnifyTrees {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
+    if (const TreeNode& node = s.treeNode[n]; node.body >= 0)
+      p.owner[node.body] = p.owner[s.treeNode[node.tree].body];
+  }
+};
+struct CompareOwners {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData&, int i) const {
+    if (p.owner[i] != p.ownerBefore[i] || p.moves[i] != p.movesBefore[i]) p.cut->changed = 1;
+  }
+};
+struct EndOwners {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData&, int) const { p.cut->holdsAll = 0; }
+};
+/// Before CompareOwners. Also begins the sums of the step.
+struct KnowBodies {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int) const {
+    p.cut->known = s.bodies;
+    p.sums[p.rank] = {};
+  }
+};
+
+/// Stores the state of an old pair into the tables of all ranks.
+RUBBLE_HD inline void shareOldPair(const SolverData& s, const PeerData& p, int k) {
+  const int m = manifoldOfOld(s, k);
+  forEachPeer(p, [&](const SolverData& to, const PeerData&) {
+    to.oldPairTest[k] = s.oldPairTest[k];
+    if (m < 0) return;
+    to.oldManifold[m] = s.oldManifold[m];
+    if (s.rolledBefore) to.oldRolling[m] = s.oldRolling[m];
+  });
+}
+template <class F> RUBBLE_HD void shareJoint(const SolverData& s, const PeerData& p, int i) {
+  forEachPeer(p, [&](const SolverData& to, const PeerData&) { to.jointsOf<F>()[i] = s.jointsOf<F>()[i]; });
+}
+
+/// An old pair that has new owners: from the old owner to all.
+struct MigratePairs {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    if (p.cut->changed == 0 || p.cut->holdsAll != 0) return;
+    const PeerEnds ends = endsOfPair(s.oldPair[k]);
+    if (!hasNewOwner(p, ends) || ownerOf(p, p.ownerBefore, p.movesBefore, ends) != p.rank) return;
+    shareOldPair(s, p, k);
+    atomicCount(&p.sums[p.rank].migrated, 1);
+  }
+};
+template <class F> struct MigrateJoints {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.cut->changed == 0 || p.cut->holdsAll != 0) return;
+    const PeerEnds ends = endsOfJoint<F>(s, i);
+    if (!hasNewOwner(p, ends) || ownerOf(p, p.ownerBefore, p.movesBefore, ends) != p.rank) return;
+    shareJoint<F>(s, p, i);
+    atomicCount(&p.sums[p.rank].migrated, 1);
+  }
+};
+
+/// Between steps: the state that this rank has for others.
+struct GatherPairs {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    if (ownerOf(p, endsOfPair(s.oldPair[k])) == p.rank) shareOldPair(s, p, k);
+  }
+};
+/// The rows of the last step, whose manifolds are the old ones now.
+struct GatherRows {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int row) const {
+    const Pair& pair = s.oldPair[s.activePair[s.rowBodies[row].manifold]];
+    if (ownerOf(p, endsOfPair(pair)) != p.rank) return;
+    forEachPeer(p, [&](const SolverData& to, const PeerData&) { to.contact[row] = s.contact[row]; });
+  }
+};
+template <class F> struct GatherJoints {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (ownerOf(p, endsOfJoint<F>(s, i)) == p.rank) shareJoint<F>(s, p, i);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,178 @@
+#pragma once
+/// What ranks exchange in a step (backend/division.h), over a machine M that runs kernels and barriers:
+///
+///   tables(), data()          of this rank
+///   each(kernel, n)           kernel(tables, i) for i < n; n may be a counter
+///   eachOld(kernel)           for the pairs of the last step
+///   eachOf(list, kernel)      for the elements of a list
+///   select(list, test, n)     makes the list of all i < n with test(tables, i)
+///   barrier()                 waits for all ranks; what was stored before it is visible after it
+///   barrierIf(counter)        the same if the counter is not zero. It is equal on all ranks.
+///   kCountsNear               counters count near elements, and not only those that this rank counts
+///
+/// A rank may be one interval between barriers ahead of another. Each exchange says why nobody reads in the
+/// interval what it stores.
+#include "backend/division.h"
+#include "backend/peers/peer_kernels.h"
+#include "backend/peers/peer_owners.h"
+
+namespace rubble::RUBBLE_CORE::peers {
+
+template <class M, class F> void eachJointType(M& m, F&& f) {
+  const SolverData& s = m.tables();
+  if (!s.hasJoints()) return;
+  forEachType(JointTypes{}, [&]<class Force>() {
+    if (const int n = s.joints[typeIndex<Force>(JointTypes{})]; n > 0) f.template operator()<Force>(n);
+  });
+}
+
+/// Begins a step. Stores old manifolds and joints, which the stages before do not read.
+template <class M> void beginStep(M& m) {
+  const SolverData& s = m.tables();
+  const PeerData p = m.data();
+  m.each(MoveCut{p}, 1);
+  m.each(FindHomes{p}, s.bodies);
+  if (s.vertices > 0) {
+    m.each(ShareAttachedBodies{p}, s.attachments);
+    m.each(ShareTouchedBodies{p}, &Counters::pointPairs);
+    m.each(ShareTrees{p}, s.treeNodes);
+  }
+  m.each(UnifyTrees{p}, s.treeNodes);
+  m.each(KnowBodies{p}, 1);
+  m.each(CompareOwners{p}, s.bodies);
+  m.eachOld(MigratePairs{p});
+  eachJointType(m, [&]<class F>(int n) { m.each(MigrateJoints<F>{p}, n); });
+  m.barrier();
+  m.each(EndOwners{p}, 1);
+  m.select(PeerList::Pairs, NearPair{p}, &Counters::pairs);
+  eachJointType(m, [&]<class F>(int n) {
+    m.select(listOfJoints(PeerJoints::Own, typeIndex<F>(JointTypes{})), NearJoint<F>{p}, n);
+  });
+}
+
+/// Flags of pairs and manifolds: the last reader is in the step before.
+template <class M> void shareActivity(M& m) {
+  m.each(ShareActivity{{m.data()}}, &Counters::pairs);
+  m.barrier();
+}
+template <class M> void listActivePairs(M& m) {
+  m.select(PeerList::ActivePairs, NearActivePair{m.data()}, &Counters::activePairs);
+}
+template <class M> void shareTouches(M& m) {
+  m.eachOf(PeerList::ActivePairs, CountContacts{{m.data()}});
+  m.each(ShareTouches{{m.data()}}, &Counters::activePairs);
+  m.barrier();
+}
+template <class M> void shareRows(M& m) {
+  const PeerData p = m.data();
+  m.each(ShareRow{{p}}, &Counters::activePairs);
+  if (m.tables().bounces) m.each(ShareWhetherBouncing{{p}}, 1);
+  m.barrier();
+  if (m.tables().bounces) m.each(TakeWhetherBouncing{{p}}, 1);
+  m.select(PeerList::OwnRows, NearRow{p}, &Counters::manifolds);
+}
+
+/// What this rank evaluates and sees in the iterations. Reads rows and joints of others, which they change
+/// only after the barrier.
+template <class M> void plan(M& m) {
+  const SolverData& s = m.tables();
+  const PeerData p = m.data();
+  const bool coarse = s.plan.coarseCorrection;
+  m.each(SeeNothing{{p}}, s.bodies);
+  m.select(PeerList::Bodies, OwnBody{p}, s.bodies);
+  m.each(ClearExtraRows{{p}}, &Counters::manifolds);
+  eachJointType(m, [&]<class F>(int n) { m.each(ClearExtraJoints<F>{{p}}, n); });
+  if (coarse) {
+    m.each(FindSliceOwners{{p}}, &Counters::slices);
+    m.select(PeerList::Slices, OwnSlice{p}, &Counters::slices);
+    m.eachOf(PeerList::Slices, SeeSlices{{p}});
+    // joints begin the step after the last barrier
+    if (s.hasJoints()) m.barrier();
+    m.select(PeerList::ExtraRows, ExtraRow{p}, &Counters::manifolds);
+    m.eachOf(PeerList::ExtraRows, TakeExtraRows{{p}});
+  }
+  m.select(PeerList::Rows, EvaluatedRow{p}, &Counters::manifolds);
+  eachJointType(m, [&]<class F>(int n) {
+    constexpr int kType = typeIndex<F>(JointTypes{});
+    if (coarse) {
+      m.select(listOfJoints(PeerJoints::Extra, kType), ExtraJoint<F>{p}, n);
+      m.eachOf(listOfJoints(PeerJoints::Extra, kType), TakeExtraJoints<F>{{p}});
+    }
+    m.select(listOfJoints(PeerJoints::All, kType), EvaluatedJoint<F>{p}, n);
+  });
+  m.eachOf(PeerList::Bodies, SeeNeighbors{{p}});
+  m.each(ShareSight{{p}}, s.bodies);
+  m.barrier();
+  m.eachOf(PeerList::Bodies, FindSeers{{p}});
+  if (!coarse) return;
+  m.each(SeeNoAggregate{{p}}, &Counters::aggregates);
+  m.each(SeeAggregates{{p}}, &Counters::slices);
+  m.select(PeerList::SeenSlices, SeenSlice{p}, &Counters::slices);
+}
+
+/// Before the first level of aggregates in a step: their sums are the memory of the sums of inertia.
+template <class M> void beginSums(M& m) { m.barrier(); }
+/// The next sums of a level come after the exchange of another level or color.
+template <class M> void shareSums(M& m, int level) {
+  m.eachOf(PeerList::Slices, ShareSums{{m.data()}, level});
+  m.barrier();
+}
+/// Before the first color: linearized rows read all poses. Bodies of one color do not see one another.
+template <class M> void beginColors(M& m) { m.barrier(); }
+/// Aggregates and rows read all poses, so a barrier precedes.
+template <class M> void shareTreePoses(M& m) {
+  m.barrier();
+  m.eachOf(PeerList::Bodies, ShareTreePoses{{m.data()}});
+  m.barrier();
+}
+/// The same.
+template <class M> void shareMotion(M& m) {
+  m.barrier();
+  m.eachOf(PeerList::Bodies, ShareMotion{{m.data()}});
+  m.barrier();
+}
+/// From here on owners store rows, manifolds and joints that others do not have, or have with the same bits.
+template <class M> void shareBreaks(M& m) {
+  const PeerData p = m.data();
+  if (!m.tables().hasJoints()) return;
+  eachJointType(m, [&]<class F>(int) {
+    m.eachOf(listOfJoints(PeerJoints::Own, typeIndex<F>(JointTypes{})), ShareBreaks<F>{{p}});
+  });
+  m.each(ShareSumsOfStep{{p}}, 1);
+  m.barrier();
+  m.each(TakeBreaks{{p}, M::kCountsNear}, 1);
+}
+template <class M> void shareFastPairs(M& m) {
+  m.eachOf(PeerList::Pairs, ShareFastPairs{{m.data()}});
+  m.barrierIf(&Counters::anyFast);
+}
+template <class M> void shareBounces(M& m) {
+  m.each(ShareBounces{{m.data()}}, &Counters::bounceRows);
+  m.barrierIf(&Counters::bounceRows);
+}
+/// Others may still clear their flags, so a barrier precedes.
+template <class M> void shareProjections(M& m) {
+  m.barrier();
+  m.each(ShareProjections{{m.data()}}, m.tables().treeNodes);
+  m.barrier();
+}
+/// Ends a step.
+template <class M> void shareCounts(M& m) {
+  const PeerData p = m.data();
+  m.each(CountPart{{p}}, 1);
+  m.each(ShareSumsOfStep{{p}}, 1);
+  m.barrier();
+  m.each(TakeCounts{{p}}, 1);
+}
+
+/// Between steps: all ranks get the state of all pairs and joints. The counters are those of the last step.
+template <class M> void gatherState(M& m) {
+  const PeerData p = m.data();
+  m.barrier();
+  m.eachOld(GatherPairs{p});
+  m.each(GatherRows{p}, &Counters::manifolds);
+  eachJointType(m, [&]<class F>(int n) { m.each(GatherJoints<F>{p}, n); });
+  m.barrier();
+}
+
+}  // namespace rubble::RUBBLE_CORE::peers
