@@ -45,6 +45,10 @@ if(rubble_cuda)
   set(CMAKE_CUDA_ARCHITECTURES ${archs})
   enable_language(CUDA)
   find_package(CUDAToolkit REQUIRED)
+  # Kernels of one file compile side by side.
+  if(CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12.8)
+    add_compile_options("$<$<COMPILE_LANGUAGE:CUDA>:--split-compile=0>")
+  endif()
   if(NOT DEFINED CMAKE_CUDA20_STANDARD_COMPILE_OPTION)  # CMake 3.25 does not know that nvcc takes C++20
     set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
     set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)

@@ -18,7 +18,7 @@ int gpus() {
 
 WorldOptions onRanks(int count, int cutInterval = 0) {
   WorldOptions options = optionsFor("distributed");
-  options.ranks.cutInterval = cutInterval;
+  options.ranks.cutInterval = cutInterval, options.ranks.timeout = 20;
   for (int rank = 0; rank < count; ++rank) options.ranks.devices.push_back(rank % gpus());
   return options;
 }

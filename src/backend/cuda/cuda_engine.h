@@ -98,8 +98,7 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   }
   void gatherState() {
     mirror_.flush();
-    stepper_.gatherState(host().view());
-    mirror_.gathered();
+    if (stepper_.gatherState(host().view())) mirror_.gathered();
   }
   void restart() { stepper_.restart(); }
   std::vector<RankReport> reports() const { return stepper_.reports(); }

@@ -366,12 +366,11 @@ class CudaExecutor : private ScanLauncher {
   /// Runs the elements of this device, and exchanges what others need.
   template <class Kernel, class N> void runPart(const Kernel& kernel, N n) {
     using D = Divided<Kernel>;
-    const bool beside = std::exchange(beside_, false);
+    beside_ = false;  // exchanges and lists may precede the kernel, which reads them
     const int which = D::which(kernel);
     peers_->share(D::kBefore, which);
     if constexpr (D::kCut == Cut::ActivePairs) peers_->listActivePairs();
     if constexpr (D::kCut > Cut::Tested) peers_->plan();
-    beside_ = beside;
     if constexpr (D::kCut == Cut::Pairs)
       runList(kernel, PeerList::Pairs, n);
     else if constexpr (D::kCut == Cut::ActivePairs)

@@ -5,6 +5,7 @@
 #include <cub/device/device_select.cuh>
 
 #include <algorithm>
+#include <set>
 #include <string>
 
 #include "backend/cuda/kernel_launcher.cuh"
@@ -73,7 +74,7 @@ struct ShareColorAndHighDegree : PeerKernel {
 __global__ void __launch_bounds__(kThreads)
     storeColor(const __grid_constant__ SolverData s, const ShareColorAndHighDegree push, PeerSignals signals,
                Control* control) {
-  awaitPrevious();
+  signals.awaitPrevious();
   if (control->stop != 0 || push.color >= s.counters->colors) return;
   const int n = s.colorOffset[push.color + 1] - s.colorOffset[push.color] + *push.highDegree;
   runStrided(s, push, n, [](int k) { return k; });
@@ -142,6 +143,7 @@ CudaPeers::CudaPeers(DeviceTables& tables, cudaStream_t stream, Transport& trans
     checkCuda(cudaGetDevice(&device), "cudaGetDevice");
     return device;
   }());
+  m.signal.shared = std::set<int>(devices.begin(), devices.end()).size() < devices.size();
   for (int r = 0; r < ranks; ++r) {
     if (r == data_.rank || devices[std::size_t(r)] == devices[std::size_t(data_.rank)]) continue;
     const cudaError_t status = cudaDeviceEnablePeerAccess(devices[std::size_t(r)], 0);
@@ -233,6 +235,8 @@ void CudaPeers::meet(int place) {
   // nobody stores before all have the addresses
   m.courier.gatherValue(place);
 }
+
+void CudaPeers::awaitAll() { impl_->courier.gatherValue(0); }
 
 void CudaPeers::requireAll(int lacking, int needed) const {
   if (lacking == kLostPeer)

@@ -28,6 +28,9 @@ class CudaPeers {
   /// addresses on the device: the parity of a step, or kBetweenSteps.
   void meet(int place);
   static constexpr int kBetweenSteps = 2;
+  /// Waits until the kernels of all ranks have ended: a step stopped. Before that others may still read and
+  /// store here.
+  void awaitAll();
   /// Throws RankFailure if a step stopped because a device did not answer.
   void requireAll(int lacking, int needed) const;
   /// The tables were replaced or sorted. All ranks have the whole state.

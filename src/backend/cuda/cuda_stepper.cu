@@ -175,7 +175,7 @@ struct CudaStepper::Impl {
   void adopt(const SolverData& host) { tables.view() = onDevice(host, tables.view()); }
 
   void makeRoom(const Control& control) {
-    if (peers) peers->requireAll(control.lacking, control.needed);
+    if (peers) peers->requireAll(control.lacking, control.needed), peers->awaitAll();
     const Per per = static_cast<Per>(control.lacking);
     // on several GPUs each color needs a launch
     if (per == Per::Color) colors.note(control.needed);
@@ -232,9 +232,9 @@ void CudaStepper::divide(Transport& transport, const RankOptions& options) {
   m.executor.divide(m.peers.get());
 }
 
-void CudaStepper::gatherState(const SolverData& host) {
+bool CudaStepper::gatherState(const SolverData& host) {
   Impl& m = *impl_;
-  if (m.peers->holdsAll()) return;
+  if (m.peers->holdsAll()) return false;
   m.adopt(host);
   m.peers->meet(CudaPeers::kBetweenSteps);
   m.executor.beginWork();
@@ -246,6 +246,7 @@ void CudaStepper::gatherState(const SolverData& host) {
       "cudaMemcpyAsync");
   m.stream.wait();
   if (control.stop != 0) m.peers->requireAll(control.lacking, control.needed);
+  return true;
 }
 
 void CudaStepper::restart() { impl_->peers->restart(); }

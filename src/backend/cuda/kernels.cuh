@@ -27,13 +27,16 @@ __device__ inline void callNext() {
   cudaTriggerProgrammaticLaunchCompletion();
 #endif
 }
-/// First call of each kernel of the step. With programmatic dependent launch (CudaExecutor::launchNext) the
-/// kernel may have started early. It waits here until the previous kernel has ended and its writes are
-/// visible, then allows the next launch. This hides launch latency.
-__device__ inline void awaitPrevious() {
+/// With programmatic dependent launch (CudaExecutor::launchNext) a kernel may have started early. It waits here
+/// until the previous one has ended and its writes are visible.
+__device__ inline void awaitEnd() {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
 #endif
+}
+/// First call of each kernel of the step. Afterwards the next one may start, which hides launch latency.
+__device__ inline void awaitPrevious() {
+  awaitEnd();
   callNext();
 }
 /// Minimum compute capability for programmatic dependent launch.

@@ -14,6 +14,14 @@ struct PeerSignals {
   unsigned* flag;            ///< [ranks] barriers that others have reached
   unsigned* of[kMostPeers];  ///< `flag` of each device
   unsigned long long limit;  ///< longest wait [ns]
+  bool shared;               ///< some GPU has several ranks
+
+  /// As awaitPrevious(). On a GPU with several ranks the next kernel does not start: its blocks could keep those
+  /// from running that this one waits for.
+  __device__ void awaitPrevious() const {
+    awaitEnd();
+    if (!shared) callNext();
+  }
 };
 
 __device__ inline unsigned long long nanoseconds() {
@@ -53,7 +61,7 @@ template <class Push>
 __global__ void __launch_bounds__(kThreads)
     storeAndMeet(const __grid_constant__ SolverData s, const Push push, Count n, PeerSignals signals,
                  const int* condition, Control* control) {
-  awaitPrevious();
+  signals.awaitPrevious();
   if (control->stop != 0 || (condition && *condition == 0)) return;
   runStrided(s, push, n.get(), [&](int k) { return elementOf<Push>(n, k); });
   // what the threads of all blocks have stored comes before the flags

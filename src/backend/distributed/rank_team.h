@@ -3,6 +3,7 @@
 /// through a transport.
 #include <functional>
 #include <type_traits>
+#include <utility>
 
 #include "backend/distributed/rank_engine.h"
 #include "backend/distributed/thread_transport.h"
@@ -104,7 +105,7 @@ class RankTeam final : public Engine {
   }
   template <class F> std::invoke_result_t<F&, RankEngine&> first(F&& f) { return callOf(*ranks_.front(), f); }
   void gatherState() {
-    together([](RankEngine& e) { e.gatherState(); });
+    if (!std::exchange(whole_, true)) together([](RankEngine& e) { e.gatherState(); });
   }
   /// For each rank, one after another: calls without exchanges.
   template <class F> void each(F&& f) {
@@ -116,6 +117,7 @@ class RankTeam final : public Engine {
   /// Throws RankFailure if a rank has failed.
   void requireWhole() const;
 
+  bool whole_ = false;  ///< rank 0 has the state of all since the last step
   ThreadHub hub_;
   std::vector<std::unique_ptr<RankEngine>> ranks_;
 };
