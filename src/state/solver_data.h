@@ -22,6 +22,7 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   /// True: sums have one order, whatever the number of elements. So a world of a batch has the bits that it
   /// has in a batch of its own on a device, too.
   bool fixedOrder = false;
+  bool anyKinds = false;  ///< true: kernels are those for all kinds of constraints, whatever occurs here
   int planes = 0;
   int surfaces = 0;                    ///< materials in the shared table
   int materialRules = 0;               ///< rules of pairs of materials

@@ -113,7 +113,7 @@ std::vector<WorldPart> placeWorlds(HostTables& tables, std::span<const WorldLayo
   s.firstBody[count] = static_cast<int>(order.size());
   order.insert(order.end(), spare.begin(), spare.end());
   placeBodies(tables, order);
-  s.worlds = count, s.fixedOrder = true;
+  s.worlds = count, s.fixedOrder = s.anyKinds = true;
   for (int w = 0; w < count; ++w) {
     const WorldPart& part = parts[static_cast<std::size_t>(w)];
     s.firstVertex[w] = part.firstVertex;

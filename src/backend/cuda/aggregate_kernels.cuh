@@ -28,7 +28,7 @@ inline constexpr int kSmallWidth = 8;
 /// Joints and soft nodes take long when one lane handles several.
 inline constexpr int kBodiesPerJoint = 4;
 __host__ __device__ inline int sliceWidth(const SolverData& s, int level) {
-  if (s.fixedOrder) return level == 0 ? kSmallWidth : kWarp;
+  if (s.anyKinds) return level == 0 ? kSmallWidth : kWarp;
   return level == 0 && s.softNodes == 0 && kBodiesPerJoint * s.jointSlots() < s.bodies ? kSmallWidth : kWarp;
 }
 
@@ -36,18 +36,19 @@ __host__ __device__ inline int sliceWidth(const SolverData& s, int level) {
 /// to arrive adds up all children of a node, in index order. kSumLevels levels cover kSmallWidth^8 slices.
 inline constexpr int kSumLevels = 8;
 struct SumTree {
-  /// [kSumLevels][slices] number of children that have arrived. Zero between kernels. Null: sums of slices go
-  /// to other devices before they are passed on (PassSumsOn).
+  /// [kSumLevels][slices] number of children that have arrived. Zero between kernels.
   int* tickets;
   int slices;
   PeerOwners owners{};  ///< of slices
+  /// [aggregates] 1: sums of its slices go to other devices before they are passed on (passSumsOn).
+  const std::uint8_t* mixed = nullptr;
 
   /// Passes the sum of slice `c` up the reduction tree. Returns true in the tile that completes the
   /// aggregate.
   template <int kWidth>
   __device__ bool carryUp(const SolverData& s, const Aggregate& aggregate, int c, const Tile<kWidth>& tile,
                           Real (&sum)[kRealsPerLane<kWidth>]) const {
-    if (!tickets) {
+    if (mixed && mixed[s.slice[c].aggregate]) {
       storeSums(tile, sum, s.slice[c].sum);
       return false;
     }

@@ -100,6 +100,7 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
     mirror_.flush();
     if (stepper_.gatherState(host().view())) mirror_.gathered();
   }
+  void settle() { mirror_.flush(); }
   void restart() { stepper_.restart(); }
   std::vector<RankReport> reports() const { return stepper_.reports(); }
 

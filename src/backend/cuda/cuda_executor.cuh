@@ -179,7 +179,7 @@ class CudaExecutor : private ScanLauncher {
   void run(const SumSoftNodePart& kernel, int n) {
     if constexpr (kStrict)
       run<SumSoftNodePart>(kernel, n);
-    else if (view().features > 0 || view().fixedOrder)
+    else if (view().features > 0 || view().anyKinds)
       run(SumSoftNodePartByTile<true>{kernel}, n);
     else
       run(SumSoftNodePartByTile<false>{kernel}, n);
@@ -308,7 +308,7 @@ class CudaExecutor : private ScanLauncher {
       return;
     }
     // as many blocks as are resident at once, whatever the size of the color
-    const bool bodies = view().bodies > 0 && (view().bodiesMove || view().fixedOrder);
+    const bool bodies = view().bodies > 0 && (view().bodiesMove || view().anyKinds);
     const int held = kSolveBlocks * processors_;
     const int vertexBlocks = std::min((view().vertices * kVertexLanes + kSolveThreads - 1) / kSolveThreads,
                                       held / kVertexShare);
@@ -389,18 +389,19 @@ class CudaExecutor : private ScanLauncher {
       startList(longSlices_, FillBoundary::kStage),
           runList(FillBoundaryByTile{listOf(longSlices_)}, PeerList::Slices, n);
     else if constexpr (D::kCut == Cut::Joints)
-      runList(kernel, listOfJoints(PeerJoints::All, which), n, partsOfJoints(n, which));
+      runList(kernel, listOfJoints(PeerJoints::All, which), n, view().joints[which]);
     else if constexpr (D::kCut == Cut::OwnJoints)
-      runList(kernel, listOfJoints(PeerJoints::Own, which), n, partsOfJoints(n, which));
+      runList(kernel, listOfJoints(PeerJoints::Own, which), n, view().joints[which]);
     else if constexpr (!std::same_as<Kernel, PlaceAggregates>)
       run(kernel, n);  // trees of others count as converged
     peers_->share(D::kAfter, which);
   }
-  int partsOfJoints(int n, int type) const { return n / std::max(1, view().joints[type]); }
-  template <class Kernel, class N> void runList(const Kernel& kernel, PeerList list, N n, int parts = 1) {
+  /// `joints`: the number of joints of that type, which n counts with all of their parts.
+  template <class Kernel, class N> void runList(const Kernel& kernel, PeerList list, N n, int joints = 0) {
     if (!begins()) return;
     enterStage(Kernel::kStage);
-    launch(onDevice(kernel), {0, peers_->countOf(list), peers_->elements(list), parts}, limitOf(n),
+    const int parts = joints > 0 ? limitOf(n) / joints : 1;
+    launch(onDevice(kernel), {0, peers_->countOf(list), peers_->elements(list), parts, joints}, limitOf(n),
            Kernel::kStage);
   }
   /// The same for stages of one level of aggregates.
@@ -421,13 +422,13 @@ class CudaExecutor : private ScanLauncher {
   }
   template <int kTile> void sumLevelOfAll(int level, bool softOnly) {
     SumTree own = tree();
-    own.tickets = nullptr;
     own.owners = {peers_->data().sliceOwner, peers_->data().rank};
+    own.mixed = peers_->data().mixed;
     sumLevel<kTile>(level, softOnly, own);
     peers_->share(Share::SliceSums, level);
     if (!begins()) return;
     launchNext(passSumsOn<kTile>, {blocksForRange(kTile), kThreads}, SumSlice<Real>::kStage, view(), tree(),
-               Count{0, peers_->countOf(PeerList::SeenSlices), peers_->elements(PeerList::SeenSlices)}, level,
+               Count{0, peers_->countOf(PeerList::MixedSlices), peers_->elements(PeerList::MixedSlices)}, level,
                softOnly, Gate{control_});
   }
   /// The bodies of high degree that this device solves.

@@ -102,7 +102,7 @@ struct CudaPeers::Impl {
   Impl(Transport& transport) : courier(transport) {}
 
   RankCourier courier;
-  KeptBuffer cut, owner, ownerBefore, moves, movesBefore, seen, seenBy, sliceOwner, sees, extraRow,
+  KeptBuffer cut, owner, ownerBefore, moves, movesBefore, seen, seenBy, sliceOwner, sees, mixed, extraRow,
       extraJoint[JointTypes::kSize], sums, lists[kPeerLists], listed, at, flags, signals;
   DeviceBuffer scratch;
   PeerSignals signal{};
@@ -112,8 +112,8 @@ struct CudaPeers::Impl {
     PeerSums of[kMostPeers];
   };
   Pinned<SumsOfStep> sumsOfStep;
-  /// what lies on the device, by place
-  std::vector<PeerRank> sent[kBetweenSteps + 1];
+  /// capacities at which the other ranks were told the addresses, by place; empty: never
+  std::vector<int> told[kPlaces];
 };
 
 CudaPeers::CudaPeers(DeviceTables& tables, cudaStream_t stream, Transport& transport,
@@ -127,7 +127,7 @@ CudaPeers::CudaPeers(DeviceTables& tables, cudaStream_t stream, Transport& trans
   data_.rank = transport.rank(), data_.ranks = ranks;
   m.cut.reserve(1, data_.cut), m.sums.reserve(kMostPeers, data_.sums);
   m.listed.reserve(kPeerLists, data_.listed);
-  m.at.reserve(static_cast<std::size_t>((kBetweenSteps + 1) * kMostPeers), m.places);
+  m.at.reserve(static_cast<std::size_t>(kPlaces * kMostPeers), m.places);
   PeerCut cut{};
   cut.interval = options.cutInterval, cut.maxImbalance = options.maxImbalance, cut.holdsAll = 1;
   checkCuda(cudaMemcpy(data_.cut, &cut, sizeof cut, cudaMemcpyHostToDevice), "cudaMemcpy");
@@ -169,6 +169,8 @@ int CudaPeers::mostOf(PeerList list) const {
       return tables_.capacity(Per::Body);
     case PeerList::Slices:
     case PeerList::SeenSlices:
+    case PeerList::MixedSlices:
+    case PeerList::SentSlices:
       return tables_.capacity(Per::Slice);
     default: {
       const int type = (static_cast<int>(list) - static_cast<int>(PeerList::FirstJoint)) / kPeerJointLists;
@@ -188,6 +190,7 @@ void CudaPeers::reserve() {
   m.seenBy.reserve(bodies, data_.seenBy);
   m.sliceOwner.reserve(capacity(Per::Slice), data_.sliceOwner);
   m.sees.reserve(capacity(Per::Aggregate), data_.sees);
+  m.mixed.reserve(capacity(Per::Aggregate), data_.mixed);
   m.extraRow.reserve(capacity(Per::Manifold), data_.extraRow);
   for (int type = 0; type < JointTypes::kSize; ++type)
     m.extraJoint[type].reserve(capacity(perJoint(type)), data_.extraJoint[type]);
@@ -217,19 +220,20 @@ std::size_t CudaPeers::bytes() const {
 void CudaPeers::meet(int place) {
   Impl& m = *impl_;
   PeerRank own{tables(), data_};
-  if (place != kBetweenSteps) {
+  if (place < kBetweenSteps) {
     holdsAll_ = false;
     // in a step ranks store rows only where they will lie
     own.s.contact = reinterpret_cast<ContactRows*>(own.s.oldManifold);
   }
   PeerRank* const to = m.places + place * kMostPeers;
   data_.at = own.p.at = to;
-  std::vector<PeerRank> all = m.courier.gatherValue(own);
-  std::vector<PeerRank>& sent = m.sent[place];
-  if (sent.size() == all.size() && std::memcmp(sent.data(), all.data(), all.size() * sizeof(PeerRank)) == 0)
-    return;
-  sent = std::move(all);
-  checkCuda(cudaMemcpyAsync(to, sent.data(), sent.size() * sizeof(PeerRank), cudaMemcpyHostToDevice, stream_),
+  // addresses change as capacities do, which grow alike on all ranks: either all ranks meet or none
+  std::vector<int> capacities;
+  for (int per = 0; per < kPerCount; ++per) capacities.push_back(tables_.capacity(static_cast<Per>(per)));
+  if (capacities == m.told[place]) return;
+  m.told[place] = std::move(capacities);
+  const std::vector<PeerRank> all = m.courier.gatherValue(own);
+  checkCuda(cudaMemcpyAsync(to, all.data(), all.size() * sizeof(PeerRank), cudaMemcpyHostToDevice, stream_),
             "cudaMemcpyAsync");
   checkCuda(cudaStreamSynchronize(stream_), "addresses of other devices");
   // nobody stores before all have the addresses
@@ -245,6 +249,7 @@ void CudaPeers::requireAll(int lacking, int needed) const {
 
 void CudaPeers::restart() {
   holdsAll_ = true;
+  for (std::vector<int>& told : impl_->told) told.clear();
   const int values[] = {1, 0};
   checkCuda(cudaMemcpyAsync(&data_.cut->holdsAll, &values[0], sizeof(int), cudaMemcpyHostToDevice, stream_),
             "cudaMemcpyAsync");
@@ -268,28 +273,34 @@ void CudaPeers::begin() { planned_ = activeListed_ = summed_ = false; }
 
 template <class Kernel> void CudaPeers::each(const Kernel& kernel, int n) {
   KernelLauncher& launcher = *launcher_;
-  if (launcher.begins() && n > 0) launcher.launch(kernel, {n, nullptr}, n, Kernel::kStage);
+  if (!launcher.begins() || n <= 0) return;
+  launcher.enterStage(Kernel::kStage);
+  launcher.launch(kernel, {n, nullptr}, n, Kernel::kStage);
 }
 template <class Kernel> void CudaPeers::each(const Kernel& kernel, int Counters::*n) {
   KernelLauncher& launcher = *launcher_;
-  if (launcher.begins())
-    launcher.launch(kernel, {0, launcher.counter(n)}, launcher.capacityOf(n), Kernel::kStage);
+  if (!launcher.begins()) return;
+  launcher.enterStage(Kernel::kStage);
+  launcher.launch(kernel, {0, launcher.counter(n)}, launcher.capacityOf(n), Kernel::kStage);
 }
 template <class Kernel> void CudaPeers::eachOld(const Kernel& kernel) {
   KernelLauncher& launcher = *launcher_;
-  if (launcher.begins())
-    launcher.launch(kernel, {0, tables().oldPairOffset + tables().bodies}, tables_.capacity(Per::Pair),
-                    Kernel::kStage);
+  if (!launcher.begins()) return;
+  launcher.enterStage(Kernel::kStage);
+  launcher.launch(kernel, {0, tables().oldPairOffset + tables().bodies}, tables_.capacity(Per::Pair),
+                  Kernel::kStage);
 }
 template <class Kernel> void CudaPeers::eachOf(PeerList list, const Kernel& kernel) {
   KernelLauncher& launcher = *launcher_;
-  if (launcher.begins())
-    launcher.launch(kernel, {0, countOf(list), elements(list)}, mostOf(list), Kernel::kStage);
+  if (!launcher.begins()) return;
+  launcher.enterStage(Kernel::kStage);
+  launcher.launch(kernel, {0, countOf(list), elements(list)}, mostOf(list), Kernel::kStage);
 }
 template <class Test> void CudaPeers::select(PeerList list, const Test& test, int n) {
   Impl& m = *impl_;
   KernelLauncher& launcher = *launcher_;
   if (!launcher.begins()) return;
+  launcher.enterStage("ranks");
   if (n > 0) launcher.launch(MarkListed<Test>{test, m.flag}, {n, nullptr}, n, "ranks");
   std::size_t bytes = m.scratch.size();
   const auto flags = thrust::make_transform_iterator(thrust::make_counting_iterator(0),
@@ -304,6 +315,7 @@ template <class Test> void CudaPeers::select(PeerList list, const Test& test, in
   Impl& m = *impl_;
   KernelLauncher& launcher = *launcher_;
   if (!launcher.begins()) return;
+  launcher.enterStage("ranks");
   const int most = std::min(launcher.capacityOf(n), mostOf(list));
   launcher.launch(MarkListed<Test>{test, m.flag}, {0, launcher.counter(n)}, most, "ranks");
   std::size_t bytes = m.scratch.size();
@@ -318,12 +330,14 @@ template <class Test> void CudaPeers::select(PeerList list, const Test& test, in
 void CudaPeers::barrier() {
   KernelLauncher& launcher = *launcher_;
   if (!launcher.begins()) return;
+  launcher.enterStage("ranks");
   launcher.launchNext(storeAndMeet<StoreNothing>, {1, kThreads}, "ranks", tables(), StoreNothing{},
                       Count{0, nullptr}, impl_->signal, static_cast<const int*>(nullptr), launcher.control_);
 }
 void CudaPeers::barrierIf(int Counters::*counter) {
   KernelLauncher& launcher = *launcher_;
   if (!launcher.begins()) return;
+  launcher.enterStage("ranks");
   launcher.launchNext(storeAndMeet<StoreNothing>, {1, kThreads}, "ranks", tables(), StoreNothing{},
                       Count{0, nullptr}, impl_->signal, static_cast<const int*>(launcher.counter(counter)),
                       launcher.control_);

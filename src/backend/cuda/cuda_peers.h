@@ -25,9 +25,9 @@ class CudaPeers {
   /// Reserves as many elements as the tables have.
   void reserve();
   /// Exchanges the addresses of all tables. All ranks call it after tables may have grown. `place`: of the
-  /// addresses on the device: the parity of a step, or kBetweenSteps.
+  /// addresses on the device: the parity of a step, and kBetweenSteps more between steps.
   void meet(int place);
-  static constexpr int kBetweenSteps = 2;
+  static constexpr int kBetweenSteps = 2, kPlaces = 4;
   /// Waits until the kernels of all ranks have ended: a step stopped. Before that others may still read and
   /// store here.
   void awaitAll();

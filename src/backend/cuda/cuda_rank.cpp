@@ -27,6 +27,7 @@ class CudaRank final : public DividedEngine {
     return before;
   }
   void leave(int before) override { cudaSetDevice(before); }
+  void settle() override { cuda_.settle(); }
   void gatherState() override { cuda_.gatherState(); }
   void sortWhole() override {
     cuda_.sortBodies();

@@ -236,7 +236,7 @@ bool CudaStepper::gatherState(const SolverData& host) {
   Impl& m = *impl_;
   if (m.peers->holdsAll()) return false;
   m.adopt(host);
-  m.peers->meet(CudaPeers::kBetweenSteps);
+  m.peers->meet(CudaPeers::kBetweenSteps + m.parity);
   m.executor.beginWork();
   m.peers->gatherState();
   m.executor.endWork();

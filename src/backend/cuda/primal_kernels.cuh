@@ -46,7 +46,7 @@ inline bool hasFewJoints(const SolverData& s, int threads) {
 }
 inline ExtraRows extraRowsOf(const SolverData& s, int threads) {
   if (hasFewJoints(s, threads)) return ExtraRows::FewJoints;
-  return s.hasJoints() || s.rolls || s.vertices > 0 || s.fixedOrder ? ExtraRows::Any : ExtraRows::None;
+  return s.hasJoints() || s.rolls || s.vertices > 0 || s.anyKinds ? ExtraRows::Any : ExtraRows::None;
 }
 
 /// Adds the joints among the incidences [k, end) of a body, one per lane. Not inlined: joints are rare and

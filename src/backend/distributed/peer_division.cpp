@@ -31,6 +31,7 @@ void PeerDivision::fit() {
   size(seenBy_, bodies, data_.seenBy);
   size(sliceOwner_, static_cast<std::size_t>(s.counters->slices), data_.sliceOwner);
   size(sees_, static_cast<std::size_t>(s.counters->aggregates), data_.sees);
+  size(mixed_, static_cast<std::size_t>(s.counters->aggregates), data_.mixed);
   size(extraRow_, static_cast<std::size_t>(s.counters->manifolds), data_.extraRow);
   for (int type = 0; type < JointTypes::kSize; ++type)
     size(extraJoint_[type], static_cast<std::size_t>(s.joints[type]), data_.extraJoint[type]);

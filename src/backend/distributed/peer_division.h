@@ -78,7 +78,8 @@ class PeerDivision final : public WorldDivision {
   std::vector<PeerRank> ranks_;
   std::vector<PeerSums> sums_;
   std::vector<int> owner_, ownerBefore_, seenBy_, sliceOwner_;
-  std::vector<std::uint8_t> moves_, movesBefore_, seen_, sees_, extraRow_, extraJoint_[JointTypes::kSize];
+  std::vector<std::uint8_t> moves_, movesBefore_, seen_, sees_, mixed_, extraRow_,
+      extraJoint_[JointTypes::kSize];
   List lists_[kPeerLists];
   int listed_[kPeerLists] = {};
   std::vector<int> capacities_;  ///< of the tables at the last barrier

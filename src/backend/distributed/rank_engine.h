@@ -17,6 +17,8 @@ class DividedEngine {
   /// Binds the calling thread to the device of the rank; returns what leave() restores.
   virtual int enter() { return 0; }
   virtual void leave(int) {}
+  /// Makes room for what was edited.
+  virtual void settle() {}
   /// Gathers the state of all pairs and joints, which each rank has for its own bodies only. All ranks call
   /// it.
   virtual void gatherState() = 0;

@@ -18,20 +18,54 @@ int threadsOfRank(int threads, int ranks) {
 
 }  // namespace
 
-RankTeam::RankTeam(const RankOptions& options, const Maker& make) : hub_(options.count, options.timeout) {
+RankThreads::RankThreads(int ranks) {
+  for (int r = 1; r < ranks; ++r) threads_.emplace_back([this, r] { work(r); });
+}
+
+RankThreads::~RankThreads() {
+  {
+    const std::lock_guard lock(mutex_);
+    stops_ = true;
+  }
+  begins_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void RankThreads::run(const std::function<void(int)>& task) {
+  {
+    const std::lock_guard lock(mutex_);
+    task_ = &task, ++runs_, left_ = static_cast<int>(threads_.size());
+  }
+  begins_.notify_all();
+  task(0);
+  std::unique_lock lock(mutex_);
+  ends_.wait(lock, [this] { return left_ == 0; });
+}
+
+void RankThreads::work(int rank) {
+  for (unsigned done = 0;; ++done) {
+    std::unique_lock lock(mutex_);
+    begins_.wait(lock, [&] { return stops_ || runs_ != done; });
+    if (stops_) return;
+    lock.unlock();
+    (*task_)(rank);
+    lock.lock();
+    if (--left_ == 0) ends_.notify_one();
+  }
+}
+
+RankTeam::RankTeam(const RankOptions& options, const Maker& make)
+    : hub_(options.count, options.timeout), threads_(options.count) {
   ranks_.resize(static_cast<std::size_t>(options.count));
-  std::vector<std::jthread> threads;
-  for (int r = 0; r < options.count; ++r)
-    threads.emplace_back([&, r] {
-      std::unique_ptr<Transport> transport = hub_.join(r);
-      try {
-        Transport& end = *transport;
-        ranks_[static_cast<std::size_t>(r)] = std::make_unique<RankEngine>(std::move(transport), make(end));
-      } catch (const std::exception& error) {
-        hub_.join(r)->fail(error.what());
-      }
-    });
-  threads.clear();
+  threads_.run([&](int r) {
+    std::unique_ptr<Transport> transport = hub_.join(r);
+    try {
+      Transport& end = *transport;
+      ranks_[static_cast<std::size_t>(r)] = std::make_unique<RankEngine>(std::move(transport), make(end));
+    } catch (const std::exception& error) {
+      hub_.join(r)->fail(error.what());
+    }
+  });
   requireWhole();
 }
 
@@ -47,19 +81,16 @@ void RankTeam::requireWhole() const {
 
 void RankTeam::together(const std::function<void(RankEngine&)>& f) {
   requireWhole();
-  const auto run = [&](RankEngine& rank) {
+  threads_.run([&](int r) {
+    RankEngine& own = rank(r);
     try {
-      callOf(rank, f);
+      callOf(own, f);
     } catch (const std::exception& error) {
-      rank.fail(error.what());  // unless another one failed first
+      own.fail(error.what());  // unless another one failed first
     } catch (...) {
-      rank.fail("an unknown error");
+      own.fail("an unknown error");
     }
-  };
-  std::vector<std::jthread> others;
-  for (std::size_t r = 1; r < ranks_.size(); ++r) others.emplace_back([&, r] { run(*ranks_[r]); });
-  run(*ranks_.front());
-  others.clear();
+  });
   requireWhole();
 }
 

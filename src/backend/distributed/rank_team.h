@@ -1,14 +1,40 @@
 #pragma once
 /// All ranks of a world in this process, each with a thread of its own. What ranks tell one another goes
 /// through a transport.
+#include <condition_variable>
 #include <functional>
+#include <mutex>
+#include <thread>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "backend/distributed/rank_engine.h"
 #include "backend/distributed/thread_transport.h"
 
 namespace rubble::RUBBLE_CORE {
+
+/// A thread for each rank. That of rank 0 is the calling one.
+class RankThreads {
+ public:
+  explicit RankThreads(int ranks);
+  ~RankThreads();
+  RankThreads(const RankThreads&) = delete;
+  RankThreads& operator=(const RankThreads&) = delete;
+  /// Calls task(r) for all ranks at once, and returns when all are done. The task throws nothing.
+  void run(const std::function<void(int)>& task);
+
+ private:
+  void work(int rank);
+
+  std::mutex mutex_;
+  std::condition_variable begins_, ends_;
+  const std::function<void(int)>* task_ = nullptr;
+  unsigned runs_ = 0;  ///< calls of run()
+  int left_ = 0;       ///< other ranks that have not ended this one
+  bool stops_ = false;
+  std::vector<std::thread> threads_;
+};
 
 /// Reads are of rank 0.
 class RankTeam final : public Engine {
@@ -24,6 +50,7 @@ class RankTeam final : public Engine {
   }
   void apply(std::span<const Edit> edits) override {
     each([&](Engine& e) { e.apply(edits); });
+    edited_ = true;
   }
   void step(StepReport& report) override;
   void sortBodies() override {
@@ -103,7 +130,11 @@ class RankTeam final : public Engine {
     } const scope{rank.divided()};
     return f(rank);
   }
-  template <class F> std::invoke_result_t<F&, RankEngine&> first(F&& f) { return callOf(*ranks_.front(), f); }
+  /// Tables of all ranks grow by the same edits, also where only the first one is asked.
+  template <class F> std::invoke_result_t<F&, RankEngine&> first(F&& f) {
+    if (std::exchange(edited_, false)) each([](RankEngine& e) { e.divided().settle(); });
+    return callOf(*ranks_.front(), f);
+  }
   void gatherState() {
     if (!std::exchange(whole_, true)) together([](RankEngine& e) { e.gatherState(); });
   }
@@ -117,9 +148,11 @@ class RankTeam final : public Engine {
   /// Throws RankFailure if a rank has failed.
   void requireWhole() const;
 
-  bool whole_ = false;  ///< rank 0 has the state of all since the last step
+  bool whole_ = false;   ///< rank 0 has the state of all since the last step
+  bool edited_ = false;  ///< there were edits since then, or since tables had room for them
   ThreadHub hub_;
   std::vector<std::unique_ptr<RankEngine>> ranks_;
+  RankThreads threads_;
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -13,7 +13,19 @@ inline constexpr int kMostPeers = 8;
 inline constexpr int kEveryPeer = -1;
 
 /// Lists of the elements that a rank runs. Those of joints follow, by type.
-enum class PeerList { Pairs, ActivePairs, Rows, OwnRows, ExtraRows, Bodies, Slices, SeenSlices, FirstJoint };
+enum class PeerList {
+  Pairs,
+  ActivePairs,
+  Rows,
+  OwnRows,
+  ExtraRows,
+  Bodies,
+  Slices,
+  SeenSlices,
+  MixedSlices,  ///< seen ones of mixed aggregates
+  SentSlices,   ///< own ones of mixed aggregates
+  FirstJoint
+};
 inline constexpr int kPeerJointLists = 3;  ///< of a type: all that are evaluated, near ones, extra ones
 inline constexpr int kPeerLists = static_cast<int>(PeerList::FirstJoint) +
                                   kPeerJointLists * JointTypes::kSize;
@@ -57,6 +69,8 @@ struct PeerData {
   int* seenBy = nullptr;         ///< [bodies] of own bodies: bit r: rank r sees it
   int* sliceOwner = nullptr;     ///< [slices]
   std::uint8_t* sees = nullptr;  ///< [aggregates] 1: it moves a body that this rank sees
+  /// [aggregates] 1: other ranks have a slice of it or see a body that it moves. Sums of all others stay here.
+  std::uint8_t* mixed = nullptr;
   std::uint8_t* extraRow = nullptr;                  ///< [rows] 1: evaluated for a slice alone
   std::uint8_t* extraJoint[JointTypes::kSize] = {};  ///< [joints] the same
   PeerSums* sums = nullptr;                          ///< [ranks]
@@ -206,6 +220,19 @@ struct OwnSlice {
 struct SeenSlice {
   PeerData p;
   RUBBLE_HD bool operator()(const SolverData& s, int i) const { return p.sees[s.slice[i].aggregate] != 0; }
+};
+struct MixedSlice {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int i) const {
+    const int aggregate = s.slice[i].aggregate;
+    return p.sees[aggregate] != 0 && p.mixed[aggregate] != 0;
+  }
+};
+struct SentSlice {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int i) const {
+    return p.sliceOwner[i] == p.rank && p.mixed[s.slice[i].aggregate] != 0;
+  }
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -146,18 +146,27 @@ struct FindSeers : PeerKernel {
     p.seenBy[i] = seers;
   }
 };
-/// Aggregates that move a body that this rank sees. Those with soft nodes move everywhere.
-struct SeeNoAggregate : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData& s, int i) const { p.sees[i] = s.aggregate[i].soft != 0; }
-};
-struct SeeAggregates : PeerKernel {
+/// Aggregates that move a body that this rank sees, and those that are not of this rank alone. Those with soft
+/// nodes move everywhere.
+struct BeginAggregateSight : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const Slice& slice = s.slice[i];
-    for (int k = slice.begin; k < slice.end; ++k)
-      if (const int node = s.aggregateNode[k]; node < s.bodies && p.isSeen(node)) {
-        p.sees[slice.aggregate] = 1;
-        return;
-      }
+    p.sees[i] = p.mixed[i] = s.aggregate[i].soft != 0;
+  }
+};
+/// By slice: another rank has its sum.
+struct MixSlices : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.sliceOwner[i] != p.rank) p.mixed[s.slice[i].aggregate] = 1;
+  }
+};
+/// By node and level.
+struct SeeAggregates : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData& s, int t) const {
+    const int aggregate = s.aggregateOf[t], node = t % s.nodes();
+    if (aggregate < 0 || node >= s.bodies) return;
+    const bool own = p.owner[node] == p.rank;
+    if (own || p.isSeen(node)) p.sees[aggregate] = 1;
+    if (!own || p.seenBy[node] != 0) p.mixed[aggregate] = 1;
   }
 };
 
@@ -182,11 +191,11 @@ struct ShareTreePoses : PeerKernel {
     if (s.nodeOfBody[i] >= 0) sharePose(s, p, i);
   }
 };
-/// Own slices.
+/// Sent slices.
 struct ShareSums : PeerKernel {
   int level;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (p.sliceOwner[i] < 0 || s.aggregate[s.slice[i].aggregate].level != level) return;
+    if (s.aggregate[s.slice[i].aggregate].level != level) return;
     forEachPeer(p, [&](const SolverData& to, const PeerData&) { to.slice[i].sum = s.slice[i].sum; });
   }
 };

@@ -26,7 +26,8 @@ template <class M, class F> void eachJointType(M& m, F&& f) {
   });
 }
 
-/// Begins a step. Stores old manifolds and joints, which the stages before do not read.
+/// Begins a step. Stores old manifolds and joints, which the stages before do not read. A rank may still be at
+/// the edits before the step, so a barrier precedes.
 template <class M> void beginStep(M& m) {
   const SolverData& s = m.tables();
   const PeerData p = m.data();
@@ -40,6 +41,7 @@ template <class M> void beginStep(M& m) {
   m.each(UnifyTrees{p}, s.treeNodes);
   m.each(KnowBodies{p}, 1);
   m.each(CompareOwners{p}, s.bodies);
+  m.barrier();
   m.eachOld(MigratePairs{p});
   eachJointType(m, [&]<class F>(int n) { m.each(MigrateJoints<F>{p}, n); });
   m.barrier();
@@ -105,16 +107,19 @@ template <class M> void plan(M& m) {
   m.barrier();
   m.eachOf(PeerList::Bodies, FindSeers{{p}});
   if (!coarse) return;
-  m.each(SeeNoAggregate{{p}}, &Counters::aggregates);
-  m.each(SeeAggregates{{p}}, &Counters::slices);
+  m.each(BeginAggregateSight{{p}}, &Counters::aggregates);
+  m.each(MixSlices{{p}}, &Counters::slices);
+  m.each(SeeAggregates{{p}}, s.nodes() * kCoarseLevels);
   m.select(PeerList::SeenSlices, SeenSlice{p}, &Counters::slices);
+  m.select(PeerList::MixedSlices, MixedSlice{p}, &Counters::slices);
+  m.select(PeerList::SentSlices, SentSlice{p}, &Counters::slices);
 }
 
 /// Before the first level of aggregates in a step: their sums are the memory of the sums of inertia.
 template <class M> void beginSums(M& m) { m.barrier(); }
 /// The next sums of a level come after the exchange of another level or color.
 template <class M> void shareSums(M& m, int level) {
-  m.eachOf(PeerList::Slices, ShareSums{{m.data()}, level});
+  m.eachOf(PeerList::SentSlices, ShareSums{{m.data()}, level});
   m.barrier();
 }
 /// Before the first color: linearized rows read all poses. Bodies of one color do not see one another.
