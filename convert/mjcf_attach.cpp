@@ -86,38 +86,31 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   for (const auto& [dof, most] : reader.actuatorForce_)
     if (std::pair<int, int> own = dof; moveDof(own)) actuatorForce_[own] = most;
 
-  const auto lose = [&](const Place& place, const std::string& what) {
-    report_.note(Effect::Lost, place, what, "its bodies are not all attached");
+  // what joins links of the part, if all of them are taken over
+  const auto takeOver = [&](auto& from, auto& to, const std::string& what, const auto& move) {
+    for (auto& each : from) {
+      if (!move(each)) {
+        report_.note(Effect::Lost, each.place, what + inQuotes(each.name), "its bodies are not all attached");
+        continue;
+      }
+      each.name = named(each.name);
+      to.push_back(std::move(each));
+    }
   };
-  for (Loop& loop : part.loops) {
-    if (!moveLink(loop.linkA) || !moveLink(loop.linkB)) {
-      lose(loop.place, "equality" + inQuotes(loop.name));
-      continue;
-    }
-    loop.name = named(loop.name);
-    model_.loops.push_back(std::move(loop));
-  }
-  for (Coupling& coupling : part.couplings) {
-    if (!moveDof(coupling.dofA) || !moveDof(coupling.dofB)) {
-      lose(coupling.place, "equality" + inQuotes(coupling.name));
-      continue;
-    }
-    coupling.name = named(coupling.name);
-    model_.couplings.push_back(std::move(coupling));
-  }
-  for (Tendon& tendon : part.tendons) {
+  takeOver(part.loops, model_.loops, "equality",
+           [&](Loop& loop) { return moveLink(loop.linkA) && moveLink(loop.linkB); });
+  takeOver(part.couplings, model_.couplings, "equality",
+           [&](Coupling& coupling) { return moveDof(coupling.dofA) && moveDof(coupling.dofB); });
+  std::size_t next = model_.tendons.size();
+  takeOver(part.tendons, model_.tendons, "tendon", [&](Tendon& tendon) {
     bool whole = true;
     for (Tendon::Point& point : tendon.path) whole = moveLink(point.link) && whole;
     for (Tendon::Wrap& wrap : tendon.wraps) whole = moveLink(wrap.link) && whole;
     for (Tendon::Term& term : tendon.terms) whole = moveDof(term.dof) && whole;
-    if (!whole) {
-      lose(tendon.place, "tendon" + inQuotes(tendon.name));
-      continue;
-    }
-    tendon.name = named(tendon.name);
-    if (!tendon.name.empty()) tendonByName_.emplace(tendon.name, model_.tendons.size());
-    model_.tendons.push_back(std::move(tendon));
-  }
+    return whole;
+  });
+  for (; next < model_.tendons.size(); ++next)
+    if (const std::string& own = model_.tendons[next].name; !own.empty()) tendonByName_.emplace(own, next);
   for (std::pair<int, int> each : part.exclusions)
     if (moveLink(each.first) && moveLink(each.second)) model_.exclusions.push_back(each);
   for (const SoftObject& object : part.objects)
