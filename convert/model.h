@@ -109,8 +109,8 @@ struct Loop {
   Quat orientationAtoB;           ///< weld: orientation of A seen from B
 };
 
-/// A joint between links that are placed by themselves. Anchors, frames and axes are those of `joint`, in the
-/// frames of the links; body A is the one that moves in body B.
+/// A joint between links that are placed by themselves. Anchors, frames, axes and the path of a tendon are
+/// those of `joint`, in the frames of the links; body A is the one that moves in body B.
 struct FreeJoint {
   Place place;
   int linkA = -1, linkB = -1;  ///< -1: the world
