@@ -52,6 +52,16 @@ struct MjcfSite {
   Pose pose;
 };
 
+/// The camera, which looks along its -z, or at the origin of a link.
+struct MjcfCamera {
+  int link;
+  Pose pose;
+  std::string target;   ///< name of a body; "": none
+  int targetLink = -1;  ///< its link, when all are read
+  Place place;
+  std::string what;  ///< "camera 'front'"
+};
+
 /// A sphere or cylinder that tendons may wrap.
 struct MjcfRound {
   int link;
@@ -123,6 +133,9 @@ class MjcfReader {
   void readFrame(const Tag& tag, const MjcfScope& scope);
   void readReplicate(const Tag& tag, const MjcfScope& scope);
   void readInertial(const Tag& tag, const MjcfScope& scope);
+  void readCamera(const Tag& tag, const MjcfScope& scope);
+  /// Finds what the camera looks at, and makes it that of the scene if this model is not attached to another.
+  void finishCamera();
   void finishMass(Link& link, bool hasInertial, const SolidSums& ofGeoms);
   void scaleTotalMass();
 
@@ -151,6 +164,8 @@ class MjcfReader {
   Pose restPose(int link) const;
   void readContact(pugi::xml_node node);
   void readPair(const Tag& tag);
+  /// The bits of pairs of geoms in the geoms.
+  void finishPairs();
   void readEquality(pugi::xml_node node);
   void readLoop(const Tag& tag);
   void readCoupling(const Tag& tag);
@@ -216,7 +231,7 @@ class MjcfReader {
   /// Link and index in its geoms.
   std::map<std::string, std::pair<int, int>> geoms_;
   std::map<std::string, std::filesystem::path> attached_;  ///< files of <model>
-  int pairs_ = 0;                                          ///< of geoms, read so far
+  std::optional<MjcfCamera> camera_;                       ///< the first one
   int level_ = 0;                                          ///< of attached models
   bool foundKey_ = false;
 };

@@ -26,15 +26,20 @@ void MjcfReader::readContact(pugi::xml_node node) {
 }
 
 void MjcfReader::readPair(const Tag& tag) {
-  constexpr int kMostPairs = 64;
-  const auto lose = [&](const char* why) { report_.note(Effect::Lost, tag.place(), tag.describe(), why); };
   const auto first = geoms_.find(tag.need("geom1")), second = geoms_.find(tag.need("geom2"));
-  if (first == geoms_.end() || second == geoms_.end()) return lose("one of its geoms is not there");
-  if (pairs_ == kMostPairs) return lose("more than 64 pairs");
-  const std::uint64_t bit = std::uint64_t{1} << pairs_++;
-  for (const auto& [at, index] : {first->second, second->second})
-    link(at).geoms[static_cast<std::size_t>(index)].contact.pairs |= bit;
-  report_.converted(tag.place(), tag.describe(), "pair of bodies that collide");
+  if (first == geoms_.end() || second == geoms_.end())
+    return report_.note(Effect::Lost, tag.place(), tag.describe(), "one of its geoms is not there");
+  model_.pairs.push_back({tag.name(), tag.place(), first->second, second->second});
+}
+
+void MjcfReader::finishPairs() {
+  constexpr std::size_t kMostPairs = 64;
+  for (; model_.pairs.size() > kMostPairs; model_.pairs.pop_back())
+    report_.note(Effect::Lost, model_.pairs.back().place, "pair" + inQuotes(model_.pairs.back().name),
+                 "more than 64 pairs");
+  for (std::size_t i = 0; i < model_.pairs.size(); ++i)
+    for (const auto& [at, index] : {model_.pairs[i].geomA, model_.pairs[i].geomB})
+      link(at).geoms[static_cast<std::size_t>(index)].contact.pairs |= std::uint64_t{1} << i;
 }
 
 Pose MjcfReader::referencePose(int at) const {
