@@ -29,8 +29,8 @@ Model MjcfReader::read(pugi::xml_node root) {
     for (const pugi::xml_node& child : source_.children(node)) readTendon(tagOf(child));
   });
   each("contact", [&](pugi::xml_node node) { readContact(node); });
-  if (level_ == 0) finishPairs();
   each("equality", [&](pugi::xml_node node) { readEquality(node); });
+  if (level_ == 0) finishPairs(), finishLoops();
   each("keyframe", [&](pugi::xml_node node) { readKeyframes(node); });
   if (!options_.key.empty() && !foundKey_)
     throw Error("--key", "the name or index of a keyframe of the model", "\"" + options_.key + "\"");

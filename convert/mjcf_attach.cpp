@@ -38,7 +38,7 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
       tag.fail("body", "the name of a body of the model", "\"" + *body + "\"");
     top = found->second;
   } else {
-    // the world of the part becomes the body that it is attached to
+    // what is in the world of the part becomes a part of the body that it is attached to
     taken[0] = {scope.link, scope.pose};
     for (Geom& geom : part.links[0].geoms) {
       geom.pose = scope.pose * geom.pose;
@@ -79,6 +79,8 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
     at = found->second.link;
     return &found->second.pose;
   };
+  // the world by its name is that of the whole model
+  const auto moveBody = [&](int& at) { return at == 0 || moveLink(at); };
   const auto moveDof = [&](std::pair<int, int>& dof) { return moveLink(dof.first) != nullptr; };
   const auto moveGeom = [&](std::pair<int, int>& geom) {
     if (geom.first == 0) geom.second += firstGeom;
@@ -99,7 +101,7 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   for (const auto& [dof, most] : reader.actuatorForce_)
     if (std::pair<int, int> own = dof; moveDof(own)) actuatorForce_[own] = most;
   if (std::optional<MjcfCamera>& own = reader.camera_) {
-    if (!camera_ && moveFrame(*own) && (own->target.empty() || moveLink(own->targetLink))) {
+    if (!camera_ && moveFrame(*own) && (own->target.empty() || moveBody(own->targetLink))) {
       camera_ = own;
     } else {
       report_.note(Effect::None, own->place, own->what, "a further camera; the scene has one");
@@ -117,7 +119,8 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
       to.push_back(std::move(each));
     }
   };
-  takeOver(part.loops, model_.loops, "equality", [&](Loop& loop) {
+  takeOver(reader.loops_, loops_, "equality", [&](MjcfLoop& loop) {
+    if (loop.anchor) return moveBody(loop.linkA) && moveBody(loop.linkB);
     const Pose *const a = moveLink(loop.linkA), *const b = moveLink(loop.linkB);
     if (!a || !b) return false;
     loop.anchorA = *a * loop.anchorA, loop.anchorB = *b * loop.anchorB;
@@ -149,7 +152,7 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   takeOver(part.pairs, model_.pairs, "pair",
            [&](GeomPair& pair) { return moveGeom(pair.geomA) && moveGeom(pair.geomB); });
   for (std::pair<int, int> each : part.exclusions)
-    if (moveLink(each.first) && moveLink(each.second)) model_.exclusions.push_back(each);
+    if (moveBody(each.first) && moveBody(each.second)) model_.exclusions.push_back(each);
   for (const SoftObject& object : part.objects)
     report_.note(Effect::Lost, object.place, "flexcomp", "a flexible object of an attached model");
   report_.converted(tag.place(), "attach" + inQuotes(name),

@@ -62,6 +62,13 @@ struct MjcfCamera {
   std::string what;  ///< "camera 'front'"
 };
 
+/// A loop. Where bodies are is known when all models are read: until then it has the numbers of the file.
+struct MjcfLoop : Loop {
+  /// Of a loop between bodies, in the frame of A, or of B for a weld [m]; that between sites has its anchors.
+  std::optional<Vec3> anchor;
+  std::optional<Pose> inA;  ///< of a weld: pose of B in A; none: as in the file
+};
+
 /// A sphere or cylinder that tendons may wrap.
 struct MjcfRound {
   int link;
@@ -168,6 +175,7 @@ class MjcfReader {
   void finishPairs();
   void readEquality(pugi::xml_node node);
   void readLoop(const Tag& tag);
+  void finishLoops();
   void readCoupling(const Tag& tag);
   /// A tendon that keeps its length.
   void readTendonLock(const Tag& tag);
@@ -231,8 +239,9 @@ class MjcfReader {
   /// Link and index in its geoms.
   std::map<std::string, std::pair<int, int>> geoms_;
   std::map<std::string, std::filesystem::path> attached_;  ///< files of <model>
-  std::optional<MjcfCamera> camera_;                       ///< the first one
-  int level_ = 0;                                          ///< of attached models
+  std::vector<MjcfLoop> loops_;
+  std::optional<MjcfCamera> camera_;  ///< the first one
+  int level_ = 0;                     ///< of attached models
   bool foundKey_ = false;
 };
 

@@ -360,7 +360,9 @@ TEST(Mjcf, TheWorldOfAnAttachedModelBecomesPartOfItsBody) {
       mjcf("<geom name='base' type='box' size='.5 .5 .5' mass='3'/><site name='s' pos='1 0 0'/>"
            "<camera name='eye' pos='0 4 0' mode='targetbody' target='rod'/>"
            "<body name='rod' pos='0 0 2'><joint name='j'/><geom size='.1'/><site name='t'/></body>",
-           "<equality><connect name='tie' body1='rod' anchor='0 0 1'/></equality>"
+           "<equality><connect name='tie' body1='rod' anchor='0 0 1'/><connect name='knot' site1='s' "
+           "site2='t'/>"
+           "</equality>"
            "<tendon><spatial name='cord' stiffness='5'><site site='s'/><site site='t'/></spatial></tendon>"));
   const Import model = convert::importModel(folder.write(
       "whole.xml", mjcf("<body name='host' pos='0 0 5'><freejoint/><geom size='.1' mass='1'/>"
@@ -375,8 +377,12 @@ TEST(Mjcf, TheWorldOfAnAttachedModelBecomesPartOfItsBody) {
     ASSERT_EQ(path.size(), 10u);
     expectNear({path[1], path[2], path[3]}, {1, 1, 0}), expectNear({path[6], path[7], path[8]}, {0, 0, 0});
   }
+  // the world that the equality names is that of the whole model
   const JointDef& tie = jointNamed(model, "p_tie");
-  expectNear(tie.anchorA, {0, 0, 1}), expectNear(tie.anchorB, {1, 0, 3});
+  EXPECT_EQ(tie.bodyB, kWorld);
+  expectNear(tie.anchorA, {0, 0, 1}), expectNear(tie.anchorB, {1, 0, 8});
+  const JointDef& knot = jointNamed(model, "p_knot");
+  expectNear(knot.anchorA, {1, 1, 0}), expectNear(knot.anchorB, {0, 0, 0});
   // its camera stands 4 m beside the axis of the part and looks at the rod, 2 m above
   const auto& camera = model.file.camera;
   ASSERT_TRUE(camera);
