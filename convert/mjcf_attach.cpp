@@ -71,8 +71,8 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
         tag.fail("prefix", "names that no others have", "\"" + named(key) + "\"");
     }
   };
-  // each of these returns whether the link is taken over; poses are those of its frame in the one that it is
-  // now
+  // each of these returns whether the link is taken over; moveLink the pose of its frame in the link that it
+  // is now
   const auto moveLink = [&](int& at) -> const Pose* {
     const auto found = taken.find(at);
     if (found == taken.end()) return nullptr;
@@ -101,11 +101,12 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   for (const auto& [dof, most] : reader.actuatorForce_)
     if (std::pair<int, int> own = dof; moveDof(own)) actuatorForce_[own] = most;
   if (std::optional<MjcfCamera>& own = reader.camera_) {
-    if (!camera_ && moveFrame(*own) && (own->target.empty() || moveBody(own->targetLink))) {
-      camera_ = own;
-    } else {
+    if (camera_)
       report_.note(Effect::None, own->place, own->what, "a further camera; the scene has one");
-    }
+    else if (moveFrame(*own) && (own->target.empty() || moveBody(own->targetLink)))
+      camera_ = own;
+    else
+      report_.note(Effect::None, own->place, own->what, "its bodies are not all attached");
   }
 
   // what joins links of the part, if all of them are taken over

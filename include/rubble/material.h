@@ -30,8 +30,8 @@ enum class Combine {
 struct Material {
   double staticFriction = .6;   ///< mu_s [1]
   double dynamicFriction = .6;  ///< mu_d [1], at most mu_s
-  /// e [1], of impacts that close faster than the largest of 0.3 sqrt(g L), 2 g dt and 3e-4 L/dt [m/s], with L
-  /// the size of the smaller body.
+  /// e [1], of impacts that close faster than the largest of 0.3 sqrt(g L), 2 g dt and 3e-4 L/dt [m/s], with
+  /// L the size of the smaller body.
   double restitution = 0;
   Combine frictionCombine = Combine::Usual;
   Combine restitutionCombine = Combine::Usual;
