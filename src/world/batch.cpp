@@ -81,8 +81,7 @@ void Batch::configure(int world, const EngineSettings& settings) {
 }
 
 int Batch::surfaceOf(const Material& material) {
-  const auto found = std::ranges::find_if(surfaces_,
-                                          [&](const Material& m) { return sameMaterial(m, material); });
+  const auto found = std::ranges::find(surfaces_, material);
   if (found != surfaces_.end()) return static_cast<int>(found - surfaces_.begin());
   surfaces_.push_back(material);
   return static_cast<int>(surfaces_.size()) - 1;
@@ -168,8 +167,7 @@ struct Batch::Translate {
     const bool ruled = !own.rules.empty() || !e.rules.empty();
     const std::size_t kept = std::min(own.surfaces.size(), e.surfaces.size());
     const auto first = [kept](const std::vector<Material>& list) { return std::span(list).first(kept); };
-    if (own.surfaces.size() > kept ||
-        !std::ranges::equal(first(own.surfaces), first(e.surfaces), sameMaterial))
+    if (own.surfaces.size() > kept || !std::ranges::equal(first(own.surfaces), first(e.surfaces)))
       member.surfaces.clear();
     own.surfaces = e.surfaces, own.rules = e.rules;
     for (std::size_t k = member.surfaces.size(); k < e.surfaces.size(); ++k)
@@ -360,7 +358,7 @@ void Batch::takeReferences(int world, const WorldSnapshot& snapshot) {
   planesChanged_ |= before.planes != to.planes;
   WorldReferences& now = member.references;
   now.planes = to.planes, now.shapeIndices = to.shapeIndices;
-  if (!std::ranges::equal(before.surfaces, to.surfaces, sameMaterial)) {
+  if (before.surfaces != to.surfaces) {
     member.surfaces.clear();
     translate(SetSurfaces{to.surfaces, to.rules});
   }

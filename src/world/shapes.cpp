@@ -17,14 +17,6 @@ bool isPlain(const Material& m) {
 
 }  // namespace
 
-bool sameMaterial(const Material& a, const Material& b) {
-  return a.staticFriction == b.staticFriction && a.dynamicFriction == b.dynamicFriction &&
-         a.restitution == b.restitution && a.frictionCombine == b.frictionCombine &&
-         a.restitutionCombine == b.restitutionCombine && a.rollingFriction == b.rollingFriction &&
-         a.torsionalFriction == b.torsionalFriction && a.surfaceVelocity == b.surfaceVelocity &&
-         a.oneWay == b.oneWay && a.name == b.name;
-}
-
 bool sameShape(const Shape& a, const Shape& b) {
   if (a.type != b.type || a.halfExtents != b.halfExtents || a.radius != b.radius ||
       a.halfLength != b.halfLength || a.rounding != b.rounding)
@@ -34,8 +26,7 @@ bool sameShape(const Shape& a, const Shape& b) {
   const ShapeGeometry &g = *a.geometry, &h = *b.geometry;
   const auto samePart = [](const ShapePartDef& p, const ShapePartDef& q) {
     return sameShape(p.shape, q.shape) && p.position == q.position && p.orientation == q.orientation &&
-           p.density == q.density && p.material.has_value() == q.material.has_value() &&
-           (!p.material || sameMaterial(*p.material, *q.material));
+           p.density == q.density && p.material == q.material;
   };
   const auto sameMass = [](const MassProperties& m, const MassProperties& n) {
     return m.mass == n.mass && m.inertia == n.inertia && m.center == n.center && m.axes == n.axes;
@@ -75,8 +66,7 @@ int TableAdditions::surfaceOf(const Material& material) {
   if (isPlain(material)) return -1;
   int first = 0;
   for (const std::vector<Material>* list : {&registry_.surfaces, &std::as_const(surfaces_)}) {
-    const auto found = std::find_if(list->begin(), list->end(),
-                                    [&](const Material& m) { return sameMaterial(m, material); });
+    const auto found = std::ranges::find(*list, material);
     if (found != list->end()) return first + static_cast<int>(found - list->begin());
     first += static_cast<int>(list->size());
   }

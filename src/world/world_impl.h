@@ -105,7 +105,6 @@ void checkScatter(JointArray which, const ArrayView& rows, const ArrayView& valu
 const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape);
 
 bool ofSameMaterials(const MaterialPair& p, const MaterialPair& q);
-bool sameMaterial(const Material& a, const Material& b);
 /// The materials with those rules of which both materials are among them.
 SetSurfaces surfacesEdit(std::vector<Material> surfaces, std::span<const MaterialPair> pairs);
 void sortRules(std::vector<EngineMaterialRule>& rules);
