@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "cook/cook.h"
 #include "world/table_additions.h"
@@ -13,6 +14,17 @@ bool isPlain(const Material& m) {
   return m.frictionCombine == Combine::Usual && m.restitutionCombine == Combine::Usual &&
          m.rollingFriction == 0 && m.torsionalFriction == 0 && m.surfaceVelocity == Vec3{} &&
          m.oneWay == Vec3{} && m.name.empty();
+}
+
+/// The material with its vectors in the engine frame of a shape. `oneWay` has length 1, or 0.
+Material inEngineFrame(Material m, const Quat& axes) {
+  // scaled first, as squares of tiny components vanish
+  if (const double most = std::max({std::fabs(m.oneWay.x), std::fabs(m.oneWay.y), std::fabs(m.oneWay.z)});
+      most > 0)
+    m.oneWay = normalize(Vec3{m.oneWay.x / most, m.oneWay.y / most, m.oneWay.z / most});
+  if (axes == Quat{}) return m;
+  m.surfaceVelocity = rotateInverse(axes, m.surfaceVelocity), m.oneWay = rotateInverse(axes, m.oneWay);
+  return m;
 }
 
 }  // namespace
@@ -62,8 +74,9 @@ int TableAdditions::addSurface(const Material& material) {
   return static_cast<int>(registry_.surfaces.size() + surfaces_.size()) - 1;
 }
 
-int TableAdditions::surfaceOf(const Material& material) {
-  if (isPlain(material)) return -1;
+int TableAdditions::surfaceOf(const Material& authored, const Quat& axes) {
+  if (isPlain(authored)) return -1;
+  const Material material = inEngineFrame(authored, axes);
   int first = 0;
   for (const std::vector<Material>* list : {&registry_.surfaces, &std::as_const(surfaces_)}) {
     const auto found = std::ranges::find(*list, material);
@@ -79,7 +92,7 @@ int TableAdditions::placeShape(const Shape& shape, const std::shared_ptr<const C
     if (const CookedEntry* entry = findCooked(*list, shape)) return entry->indexBase;
   std::vector<int>& surfaces = partSurfaces_.emplace_back();
   for (const CookedPart& part : cooked->parts) {
-    int surface = part.material ? surfaceOf(*part.material) : -1;
+    int surface = part.material ? surfaceOf(*part.material, cooked->unit.axes) : -1;
     // a material that overrides that of the body is always in the table
     if (part.material && surface < 0) surface = addSurface(*part.material);
     surfaces.push_back(surface);

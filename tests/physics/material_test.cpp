@@ -324,6 +324,41 @@ TEST(OneWay, DecidesOnceAndKeepsItUntilTheyPart) {
     }
 }
 
+/// Two shapes whose principal axes are not their own: a plate of half thickness 0.05 turned by `turn`, as a
+/// hull and as a part of a compound.
+std::vector<Shape> turnedPlates(const Quat& turn, const Material& material) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.push_back(rotate(turn, Vec3{i & 1 ? 3. : -3., i & 2 ? 2. : -2., i & 4 ? 0.05 : -0.05}));
+  return {Shape::hull(corners),
+          Shape::compound({{Shape::box({3, 2, 0.05}), {}, turn, material},
+                           {Shape::box({0.05, 2, 0.5}), rotate(turn, Vec3{-3, 0, -0.5}), turn, material}})};
+}
+
+TEST(Material, HasItsVectorsInBodyAxesOfEveryShape) {
+  const Quat turn = fromAxisAngle(normalize(Vec3{1, 2, -0.5}), 0.9);
+  Material material = rubbing(0.5, Combine::Average);
+  material.oneWay = rotate(turn, Vec3{0, 0, 1e-25});
+  material.surfaceVelocity = rotate(turn, Vec3{1.5, 0, 0});
+  for (const Shape& plate : turnedPlates(turn, material)) {
+    Scene scene = test::emptyScene();
+    scene.bodies.push_back(test::body(plate, {0, 0, 2}));
+    scene.bodies[0].orientation = conjugate(turn);
+    scene.bodies[0].motion = Motion::Static;
+    scene.bodies[0].material = material;
+    scene.bodies.push_back(test::body(Shape::sphere(0.2), {1, 0, 1.2}));
+    scene.bodies[1].velocity = {0, 0, 7};
+    scene.bodies.push_back(test::body(Shape::box({0.2, 0.2, 0.1}), {-1, 0, 2.16}, 0.5));
+    World world(scene, options(6));
+    test::run(world, 60);
+    EXPECT_GT(world.state(world.bodyAt(1)).position.z, 2.2);
+    const BodyState carried = world.state(world.bodyAt(2));
+    EXPECT_NEAR(carried.position.z, 2.15, 0.01);
+    EXPECT_NEAR(carried.velocity.x, 1.5, 0.01);
+    EXPECT_NEAR(carried.velocity.y, 0, 0.01);
+  }
+}
+
 TEST(OneWay, HasTheSameBitsOnAllBackends) {
   std::uint64_t hash = 0;
   for (const std::string backend : {"cpu", "lockstep", "distributed"}) {
