@@ -255,6 +255,8 @@ struct World::Impl {
 
   void build(const Scene& scene);
   void setScript(std::vector<Event> events);
+  /// Steps until the next scripted event is due; not positive: it is.
+  std::int64_t stepsToEvent() const;
   /// After a step that takes part in no other.
   void finishStep(StepReport& report);
   /// Takes over everything of a snapshot but the state of its engine.
