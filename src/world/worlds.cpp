@@ -89,7 +89,7 @@ int Worlds::addCopies(const Scene& scene, int count) {
     world->params = impl_->options.params;
     world->engine = std::make_unique<WorldSlice>(batch, batch->addWorld());
     world->doublePrecision = impl_->options.backend == "reference";
-    world->wantsEvents = impl_->options.events;
+    world->wantsEvents = impl_->options.events, world->tasks = impl_->threads.tasks();
     world->cooked = impl_->cooked, world->inBatch = true;
     World::Impl& built = *world;
     impl_->worlds.push_back(World(std::move(world)));
