@@ -49,6 +49,8 @@ struct Material {
   Vec3 oneWay{};
   /// Names the material in pair rules (MaterialPair). Empty: pair rules never apply.
   std::string name{};
+
+  friend bool operator==(const Material&, const Material&) = default;
 };
 
 /// Coefficients of contacts between two named materials. Each that is given replaces the mixture of those of
