@@ -41,7 +41,7 @@ void Mirror::withValues(const ArrayView& rows, const ArrayView& values, const Wr
 void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
   flush();
   withValues(rows, values, [&](const ArrayView& rowsThere, const ArrayView& valuesThere) {
-    scatterStateRows(stepper_.stream(), stepper_.tables().view(), ScatterRows(which, rowsThere, valuesThere),
+    scatterStateRows(stepper_.stream(), present(), ScatterRows(which, rowsThere, valuesThere),
                      static_cast<int>(rows.shape[0]));
     followArrays();
   });
