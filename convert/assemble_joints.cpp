@@ -80,6 +80,12 @@ class JointBuilder {
     joint.anchorA = a * joint.anchorA, joint.anchorB = b * joint.anchorB;
     joint.frameA = normalize(a.q * joint.frameA), joint.frameB = normalize(b.q * joint.frameB);
     joint.orientationAtoB = normalize(joint.frameB * conjugate(joint.frameA));
+    if (auto* const tendon = std::any_cast<TendonFields>(&joint.own))
+      for (std::size_t i = 0; i < tendon->path.size(); i += 5) {
+        double* const point = &tendon->path[i];
+        const Vec3 at = (point[0] == 0 ? a : b) * Vec3{point[1], point[2], point[3]};
+        for (int k = 0; k < 3; ++k) point[1 + k] = at[k];
+      }
     add(std::move(joint), from.place, "joint", from.joint.name);
   }
 

@@ -23,12 +23,14 @@ Model MjcfReader::read(pugi::xml_node root) {
   for (std::size_t i = 0; i < model_.links.size(); ++i)
     finishMass(model_.links[i], hasInertial_[i], geomMass_[i]);
   scaleTotalMass();
+  finishCamera();
   finishSpringDampers();
   each("tendon", [&](pugi::xml_node node) {
     for (const pugi::xml_node& child : source_.children(node)) readTendon(tagOf(child));
   });
   each("contact", [&](pugi::xml_node node) { readContact(node); });
   each("equality", [&](pugi::xml_node node) { readEquality(node); });
+  if (level_ == 0) finishPairs(), finishLoops();
   each("keyframe", [&](pugi::xml_node node) { readKeyframes(node); });
   if (!options_.key.empty() && !foundKey_)
     throw Error("--key", "the name or index of a keyframe of the model", "\"" + options_.key + "\"");

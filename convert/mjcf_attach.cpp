@@ -26,9 +26,11 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   noteUnusedMjcf(source, report_);
   elements_ += reader.elements_;
 
-  // links of the part that are taken over; the world of the part becomes the body that it is attached to
-  std::map<int, int> taken;
+  const auto named = [&](const std::string& own) { return own.empty() ? own : prefix + own + scope.suffix; };
+  // the links of the part that are taken over: which links they are now, and where in these
+  std::map<int, MjcfSite> taken;
   const std::optional<std::string> body = tag.text("body");
+  const int firstGeom = static_cast<int>(link(scope.link).geoms.size());
   int top = 0;
   if (body) {
     const auto found = reader.linkByName_.find(*body);
@@ -36,12 +38,16 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
       tag.fail("body", "the name of a body of the model", "\"" + *body + "\"");
     top = found->second;
   } else {
+    // what is in the world of the part becomes a part of the body that it is attached to
+    taken[0] = {scope.link, scope.pose};
     for (Geom& geom : part.links[0].geoms) {
       geom.pose = scope.pose * geom.pose;
+      geom.name = named(geom.name);
       link(scope.link).geoms.push_back(std::move(geom));
     }
+    geomMass_[static_cast<std::size_t>(scope.link)] += placed(part.links[0].mass, scope.pose.p, scope.pose.q,
+                                                              1);
   }
-  const auto named = [&](const std::string& own) { return own.empty() ? own : prefix + own + scope.suffix; };
   for (int i = 1; i < static_cast<int>(part.links.size()); ++i) {
     Link& own = part.links[static_cast<std::size_t>(i)];
     const bool isTop = body ? i == top : own.parent == 0;
@@ -49,16 +55,15 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
     if (isTop) own.pose = scope.pose * own.pose;
     if (isTop && scope.link != 0 && (own.free || own.kinematic))
       tag.fail("body", "a free or mocap body as a child of the world", "a child of another body");
-    own.parent = isTop ? scope.link : taken.at(own.parent);
+    own.parent = isTop ? scope.link : taken.at(own.parent).link;
     own.name = named(own.name);
     for (Dof& dof : own.dofs) dof.name = named(dof.name);
     for (Geom& geom : own.geoms) geom.name = named(geom.name);
-    taken[i] = static_cast<int>(model_.links.size());
+    taken[i] = {static_cast<int>(model_.links.size()), {}};
     model_.links.push_back(std::move(own));
     geomMass_.emplace_back(), hasInertial_.push_back(true);
   }
 
-  const auto isTaken = [&](int at) { return taken.contains(at); };
   const auto add = [&](auto& to, const auto& from, const auto& change) {
     for (const auto& [key, value] : from) {
       auto own = value;
@@ -66,63 +71,93 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
         tag.fail("prefix", "names that no others have", "\"" + named(key) + "\"");
     }
   };
-  const auto moveDof = [&](std::pair<int, int>& dof) {
-    if (!isTaken(dof.first)) return false;
-    dof.first = taken.at(dof.first);
-    return true;
+  // each of these returns whether the link is taken over; moveLink the pose of its frame in the link that it
+  // is now
+  const auto moveLink = [&](int& at) -> const Pose* {
+    const auto found = taken.find(at);
+    if (found == taken.end()) return nullptr;
+    at = found->second.link;
+    return &found->second.pose;
   };
-  const auto moveLink = [&](int& at) {
-    if (!isTaken(at)) return false;
-    at = taken.at(at);
-    return true;
+  // the world by its name is that of the whole model
+  const auto moveBody = [&](int& at) { return at == 0 || moveLink(at); };
+  const auto moveDof = [&](std::pair<int, int>& dof) { return moveLink(dof.first) != nullptr; };
+  const auto moveGeom = [&](std::pair<int, int>& geom) {
+    if (geom.first == 0) geom.second += firstGeom;
+    return moveLink(geom.first) != nullptr;
   };
-  add(linkByName_, reader.linkByName_, moveLink);
+  const auto moveFrame = [&](auto& frame) {
+    const Pose* const in = moveLink(frame.link);
+    if (in) frame.pose = *in * frame.pose;
+    return in != nullptr;
+  };
+  add(linkByName_, reader.linkByName_, [&](int& at) { return at != 0 && moveLink(at); });
   add(dofByName_, reader.dofByName_, moveDof);
-  add(sites_, reader.sites_, [&](MjcfSite& site) { return moveLink(site.link); });
-  add(rounds_, reader.rounds_, [&](MjcfRound& round) { return moveLink(round.link); });
-  add(geoms_, reader.geoms_, moveDof);
+  add(sites_, reader.sites_, moveFrame);
+  add(rounds_, reader.rounds_, moveFrame);
+  add(geoms_, reader.geoms_, moveGeom);
   for (const auto& [dof, rest] : reader.springRest_)
     if (std::pair<int, int> own = dof; moveDof(own)) springRest_[own] = rest;
   for (const auto& [dof, most] : reader.actuatorForce_)
     if (std::pair<int, int> own = dof; moveDof(own)) actuatorForce_[own] = most;
+  if (std::optional<MjcfCamera>& own = reader.camera_) {
+    if (camera_)
+      report_.note(Effect::None, own->place, own->what, "a further camera; the scene has one");
+    else if (moveFrame(*own) && (own->target.empty() || moveBody(own->targetLink)))
+      camera_ = own;
+    else
+      report_.note(Effect::None, own->place, own->what, "its bodies are not all attached");
+  }
 
-  const auto lose = [&](const Place& place, const std::string& what) {
-    report_.note(Effect::Lost, place, what, "its bodies are not all attached");
+  // what joins links of the part, if all of them are taken over
+  const auto takeOver = [&](auto& from, auto& to, const std::string& what, const auto& move) {
+    for (auto& each : from) {
+      if (!move(each)) {
+        report_.note(Effect::Lost, each.place, what + inQuotes(each.name), "its bodies are not all attached");
+        continue;
+      }
+      each.name = named(each.name);
+      to.push_back(std::move(each));
+    }
   };
-  for (Loop& loop : part.loops) {
-    if (!moveLink(loop.linkA) || !moveLink(loop.linkB)) {
-      lose(loop.place, "equality" + inQuotes(loop.name));
-      continue;
-    }
-    loop.name = named(loop.name);
-    model_.loops.push_back(std::move(loop));
-  }
-  for (Coupling& coupling : part.couplings) {
-    if (!moveDof(coupling.dofA) || !moveDof(coupling.dofB)) {
-      lose(coupling.place, "equality" + inQuotes(coupling.name));
-      continue;
-    }
-    coupling.name = named(coupling.name);
-    model_.couplings.push_back(std::move(coupling));
-  }
-  for (Tendon& tendon : part.tendons) {
+  takeOver(reader.loops_, loops_, "equality", [&](MjcfLoop& loop) {
+    if (loop.anchor) return moveBody(loop.linkA) && moveBody(loop.linkB);
+    const Pose *const a = moveLink(loop.linkA), *const b = moveLink(loop.linkB);
+    if (!a || !b) return false;
+    loop.anchorA = *a * loop.anchorA, loop.anchorB = *b * loop.anchorB;
+    loop.orientationAtoB = normalize(b->q * loop.orientationAtoB * conjugate(a->q));
+    return true;
+  });
+  takeOver(part.couplings, model_.couplings, "equality",
+           [&](Coupling& coupling) { return moveDof(coupling.dofA) && moveDof(coupling.dofB); });
+  std::size_t next = model_.tendons.size();
+  takeOver(part.tendons, model_.tendons, "tendon", [&](Tendon& tendon) {
     bool whole = true;
-    for (Tendon::Point& point : tendon.path) whole = moveLink(point.link) && whole;
-    for (Tendon::Wrap& wrap : tendon.wraps) whole = moveLink(wrap.link) && whole;
-    for (Tendon::Term& term : tendon.terms) whole = moveDof(term.dof) && whole;
-    if (!whole) {
-      lose(tendon.place, "tendon" + inQuotes(tendon.name));
-      continue;
+    for (Tendon::Point& point : tendon.path) {
+      const Pose* const in = moveLink(point.link);
+      if (in) point.at = *in * point.at;
+      whole = whole && in;
     }
-    tendon.name = named(tendon.name);
-    if (!tendon.name.empty()) tendonByName_.emplace(tendon.name, model_.tendons.size());
-    model_.tendons.push_back(std::move(tendon));
-  }
+    for (Tendon::Wrap& wrap : tendon.wraps) {
+      const Pose* const in = moveLink(wrap.link);
+      whole = whole && in;
+      if (!in) continue;
+      wrap.center = *in * wrap.center, wrap.axis = rotate(in->q, wrap.axis);
+      if (wrap.guide) wrap.guide = rotate(in->q, *wrap.guide);
+    }
+    for (Tendon::Term& term : tendon.terms) whole = moveDof(term.dof) && whole;
+    return whole;
+  });
+  for (; next < model_.tendons.size(); ++next)
+    if (const std::string& own = model_.tendons[next].name; !own.empty()) tendonByName_.emplace(own, next);
+  takeOver(part.pairs, model_.pairs, "pair",
+           [&](GeomPair& pair) { return moveGeom(pair.geomA) && moveGeom(pair.geomB); });
   for (std::pair<int, int> each : part.exclusions)
-    if (moveLink(each.first) && moveLink(each.second)) model_.exclusions.push_back(each);
+    if (moveBody(each.first) && moveBody(each.second)) model_.exclusions.push_back(each);
   for (const SoftObject& object : part.objects)
     report_.note(Effect::Lost, object.place, "flexcomp", "a flexible object of an attached model");
-  report_.converted(tag.place(), "attach" + inQuotes(name), std::to_string(taken.size()) + " bodies");
+  report_.converted(tag.place(), "attach" + inQuotes(name),
+                    std::to_string(taken.size() - taken.count(0)) + " bodies");
 }
 
 }  // namespace rubble::convert

@@ -52,6 +52,23 @@ struct MjcfSite {
   Pose pose;
 };
 
+/// The camera, which looks along its -z, or at the origin of a link.
+struct MjcfCamera {
+  int link;
+  Pose pose;
+  std::string target;   ///< name of a body; "": none
+  int targetLink = -1;  ///< its link, when all are read
+  Place place;
+  std::string what;  ///< "camera 'front'"
+};
+
+/// A loop. Where bodies are is known when all models are read: until then it has the numbers of the file.
+struct MjcfLoop : Loop {
+  /// Of a loop between bodies, in the frame of A, or of B for a weld [m]; that between sites has its anchors.
+  std::optional<Vec3> anchor;
+  std::optional<Pose> inA;  ///< of a weld: pose of B in A; none: as in the file
+};
+
 /// A sphere or cylinder that tendons may wrap.
 struct MjcfRound {
   int link;
@@ -123,6 +140,9 @@ class MjcfReader {
   void readFrame(const Tag& tag, const MjcfScope& scope);
   void readReplicate(const Tag& tag, const MjcfScope& scope);
   void readInertial(const Tag& tag, const MjcfScope& scope);
+  void readCamera(const Tag& tag, const MjcfScope& scope);
+  /// Finds what the camera looks at, and makes it that of the scene if this model is not attached to another.
+  void finishCamera();
   void finishMass(Link& link, bool hasInertial, const SolidSums& ofGeoms);
   void scaleTotalMass();
 
@@ -151,8 +171,11 @@ class MjcfReader {
   Pose restPose(int link) const;
   void readContact(pugi::xml_node node);
   void readPair(const Tag& tag);
+  /// The bits of pairs of geoms in the geoms.
+  void finishPairs();
   void readEquality(pugi::xml_node node);
   void readLoop(const Tag& tag);
+  void finishLoops();
   void readCoupling(const Tag& tag);
   /// A tendon that keeps its length.
   void readTendonLock(const Tag& tag);
@@ -216,8 +239,9 @@ class MjcfReader {
   /// Link and index in its geoms.
   std::map<std::string, std::pair<int, int>> geoms_;
   std::map<std::string, std::filesystem::path> attached_;  ///< files of <model>
-  int pairs_ = 0;                                          ///< of geoms, read so far
-  int level_ = 0;                                          ///< of attached models
+  std::vector<MjcfLoop> loops_;
+  std::optional<MjcfCamera> camera_;  ///< the first one
+  int level_ = 0;                     ///< of attached models
   bool foundKey_ = false;
 };
 

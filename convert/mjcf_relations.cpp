@@ -26,15 +26,20 @@ void MjcfReader::readContact(pugi::xml_node node) {
 }
 
 void MjcfReader::readPair(const Tag& tag) {
-  constexpr int kMostPairs = 64;
-  const auto lose = [&](const char* why) { report_.note(Effect::Lost, tag.place(), tag.describe(), why); };
   const auto first = geoms_.find(tag.need("geom1")), second = geoms_.find(tag.need("geom2"));
-  if (first == geoms_.end() || second == geoms_.end()) return lose("one of its geoms is not there");
-  if (pairs_ == kMostPairs) return lose("more than 64 pairs");
-  const std::uint64_t bit = std::uint64_t{1} << pairs_++;
-  for (const auto& [at, index] : {first->second, second->second})
-    link(at).geoms[static_cast<std::size_t>(index)].contact.pairs |= bit;
-  report_.converted(tag.place(), tag.describe(), "pair of bodies that collide");
+  if (first == geoms_.end() || second == geoms_.end())
+    return report_.note(Effect::Lost, tag.place(), tag.describe(), "one of its geoms is not there");
+  model_.pairs.push_back({tag.name(), tag.place(), first->second, second->second});
+}
+
+void MjcfReader::finishPairs() {
+  constexpr std::size_t kMostPairs = 64;
+  for (; model_.pairs.size() > kMostPairs; model_.pairs.pop_back())
+    report_.note(Effect::Lost, model_.pairs.back().place, "pair" + inQuotes(model_.pairs.back().name),
+                 "more than 64 pairs");
+  for (std::size_t i = 0; i < model_.pairs.size(); ++i)
+    for (const auto& [at, index] : {model_.pairs[i].geomA, model_.pairs[i].geomB})
+      link(at).geoms[static_cast<std::size_t>(index)].contact.pairs |= std::uint64_t{1} << i;
 }
 
 Pose MjcfReader::referencePose(int at) const {
@@ -63,7 +68,7 @@ void MjcfReader::readEquality(pugi::xml_node node) {
 }
 
 void MjcfReader::readLoop(const Tag& tag) {
-  Loop loop;
+  MjcfLoop loop;
   loop.name = tag.name();
   loop.place = tag.place();
   loop.keepsOrientation = tag.type() == "weld";
@@ -72,24 +77,33 @@ void MjcfReader::readLoop(const Tag& tag) {
     loop.linkA = a.link, loop.linkB = b.link;
     loop.anchorA = a.pose.p, loop.anchorB = b.pose.p;
     loop.orientationAtoB = normalize(b.pose.q * conjugate(a.pose.q));
-    model_.loops.push_back(loop);
+    loops_.push_back(loop);
     return;
   }
   loop.linkA = linkOf(tag, "body1");
   loop.linkB = tag.has("body2") ? linkOf(tag, "body2") : 0;
-  Pose inA = inverse(referencePose(loop.linkA)) * referencePose(loop.linkB);  // of B
-  const Vec3 anchor = tag.vector("anchor").value_or(Vec3{});
+  loop.anchor = tag.vector("anchor").value_or(Vec3{});
   if (loop.keepsOrientation) {
     const auto pose = tag.numbers("relpose", 7, 7);
     const Quat q = pose ? Quat{(*pose)[3], (*pose)[4], (*pose)[5], (*pose)[6]} : Quat{0, 0, 0, 0};
-    if (q.s != 0 || lengthSquared(q.v) > 0) inA = {{(*pose)[0], (*pose)[1], (*pose)[2]}, normalize(q)};
-    loop.anchorA = inA * anchor, loop.anchorB = anchor;  // the anchor is in the frame of body2
-  } else {
-    if (!tag.has("anchor")) tag.fail("anchor", "a point", "none");
-    loop.anchorA = anchor, loop.anchorB = inverse(inA) * anchor;
+    if (q.s != 0 || lengthSquared(q.v) > 0)
+      loop.inA = Pose{{(*pose)[0], (*pose)[1], (*pose)[2]}, normalize(q)};
+  } else if (!tag.has("anchor")) {
+    tag.fail("anchor", "a point", "none");
   }
-  loop.orientationAtoB = conjugate(inA.q);
-  model_.loops.push_back(loop);
+  loops_.push_back(loop);
+}
+
+void MjcfReader::finishLoops() {
+  for (MjcfLoop& loop : loops_) {
+    if (loop.anchor) {
+      const Pose inA = loop.inA.value_or(inverse(referencePose(loop.linkA)) * referencePose(loop.linkB));
+      loop.anchorA = loop.keepsOrientation ? inA * *loop.anchor : *loop.anchor;
+      loop.anchorB = loop.keepsOrientation ? *loop.anchor : inverse(inA) * *loop.anchor;
+      loop.orientationAtoB = conjugate(inA.q);
+    }
+    model_.loops.push_back(loop);
+  }
 }
 
 void MjcfReader::readCoupling(const Tag& tag) {

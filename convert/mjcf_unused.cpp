@@ -56,7 +56,6 @@ const Reasons& attributes() {
       {"pair.margin", {Effect::Approximate, "contacts begin where surfaces touch"}},
       {"pair.gap", {Effect::Approximate, "contacts begin where surfaces touch"}},
       {"camera.fovy", {Effect::None, "angle of view"}},
-      {"camera.mode", {Effect::None, "the camera does not move"}},
       {"camera.target", {Effect::None, "the camera does not move"}},
       {"joint.margin", {Effect::None, "limits act where they are"}},
       {"joint.springyield", {Effect::Lost, "springs that yield"}},

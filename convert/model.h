@@ -27,7 +27,7 @@ inline Vec3 operator*(const Pose& a, const Vec3& x) { return a.p + rotate(a.q, x
 /// other (MuJoCo).
 struct Contact {
   std::uint32_t type = 1, affinity = 1;
-  std::uint64_t pairs = 0;  ///< a bit for each pair of geoms that collide whatever their masks are
+  std::uint64_t pairs = 0;  ///< bit i: it is one of Model::pairs[i]
 
   bool any() const { return type != 0 || affinity != 0 || pairs != 0; }
   auto operator<=>(const Contact&) const = default;
@@ -109,12 +109,19 @@ struct Loop {
   Quat orientationAtoB;           ///< weld: orientation of A seen from B
 };
 
-/// A joint between links that are placed by themselves. Anchors, frames and axes are those of `joint`, in the
-/// frames of the links; body A is the one that moves in body B.
+/// A joint between links that are placed by themselves. Anchors, frames, axes and the path of a tendon are
+/// those of `joint`, in the frames of the links; body A is the one that moves in body B.
 struct FreeJoint {
   Place place;
   int linkA = -1, linkB = -1;  ///< -1: the world
   JointDef joint;
+};
+
+/// Two geoms that collide whatever their masks, joints and exclusions say.
+struct GeomPair {
+  std::string name;
+  Place place;
+  std::pair<int, int> geomA, geomB;  ///< link, index in its geoms
 };
 
 /// dofA = c_0 + c_1 q + c_2 q^2 + c_3 q^3 + c_4 q^4, q = dofB, both measured from the pose in the file.
@@ -170,6 +177,7 @@ struct Model {
   std::optional<Pose> camera;                   ///< in the world; it looks along its -z
   std::optional<double> timeStep;               ///< that the model asks for [s]
   std::vector<std::pair<int, int>> exclusions;  ///< pairs of links (-1: the world)
+  std::vector<GeomPair> pairs;                  ///< at most 64
   bool parentsCollide = false;                  ///< do links collide with their parents?
   bool staticParentsCollide = true;             ///< and with static ones?
 };

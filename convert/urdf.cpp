@@ -22,7 +22,7 @@ struct UrdfJoint {
   std::string parent, child;
 };
 
-/// COLLADA and other formats that readSurface reads with assimp.
+/// COLLADA and other formats that readSurfaceAsWritten reads with assimp.
 bool needsLibrary(const std::string& name) {
   std::string ending = std::filesystem::path(name).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -191,12 +191,12 @@ class UrdfReader {
     const Effect loss = geom.contact.any() ? Effect::Lost : Effect::None;
     const std::string name = tag.need("filename");
     const Vec3 scale = tag.vector("scale").value_or(Vec3{1, 1, 1});
-    const std::string file = packages_.find(name, tag.path("filename")).string();
     std::vector<Vec3> points;
     try {
-      points = needsLibrary(name) ? readSurface(file).vertices : io::readMesh(file).vertices;
+      const std::string file = packages_.find(name, tag.path("filename")).string();
+      points = needsLibrary(name) ? readSurfaceAsWritten(file).vertices : io::readMesh(file).vertices;
     } catch (const Error& error) {
-      if (!needsLibrary(name)) throw;
+      if (loss == Effect::Lost && !needsLibrary(name)) throw;
       report_.note(loss, tag.place(), "mesh" + inQuotes(name), error.what());
       return false;
     }

@@ -60,14 +60,14 @@ Model UsdReader::read(const std::string& bytes, const std::string& file) {
     const UsdPrim prim = at(*placed_[i].prim);
     const usd::Prim& own = prim.prim();
     if (own.type == "PhysicsScene") readScene(prim);
-    if (placed_[i].isInstance && isJoint(own.type))
+    if (placed_[i].instance >= 0 && isJoint(own.type))
       report_.note(Effect::Lost, prim.place(), own.type + inQuotes(own.name), "a joint of an instance");
     if (own.hasSchema("PhysicsCollisionAPI") && prim.flag("physics:collisionEnabled", true))
       addCollider(prim, placed_[i]);
   }
   for (std::size_t i = 1; i < model_.links.size(); ++i) finishMass(static_cast<int>(i));
   for (std::size_t i = 1; i < placed_.size(); ++i)
-    if (isJoint(placed_[i].prim->type) && !placed_[i].isInstance)
+    if (isJoint(placed_[i].prim->type) && placed_[i].instance < 0)
       addJoint(at(*placed_[i].prim), placed_[i].path);
   addFilters();
   noteUnused();
@@ -93,6 +93,8 @@ void UsdReader::placeAll(const usd::Prim& prim, const std::string& path, const A
   if (!prim.active) return;
   if (placed_.size() > usd::kMostPrims)
     throw Error(prim.file + ": " + path, "at most 500000 prims, with those of instances", "more");
+  if (std::count(path.begin(), path.end(), '/') > usd::kMostDepth)
+    throw Error(prim.file + ": " + prim.name, "at most 100 levels, with those of instances", "more");
   const UsdPrim own = at(prim);
   bool resets = false;
   const Affine local = localFrame(own, resets);
@@ -106,7 +108,7 @@ void UsdReader::placeAll(const usd::Prim& prim, const std::string& path, const A
     link = -1;
   }
   byPath_[path] = placed_.size();
-  placed_.push_back({&prim, path, world, link, isInstanced_});
+  placed_.push_back({&prim, path, world, link, instance_});
   if (prim.type == "Camera" && !model_.camera) model_.camera = world.rigid();
   if (prim.type == "PointInstancer") return addInstances(prim, path, world, link);
   for (const auto& child : prim.children) visit(*child, path + "/" + child->name, world, link);
@@ -186,6 +188,13 @@ void UsdReader::addFilters() {
       out.insert(placed_[i].link);
     return out;
   };
+  const auto linksOf = [&](const Placed& from, const std::string& target) {
+    const std::string path = inInstance(from, target);
+    if (!byPath_.contains(path))
+      report_.note(Effect::Lost, at(*from.prim).place(), "filter" + inQuotes(from.prim->name),
+                   "the prim '" + path + "' is not there");
+    return linksBelow(path);
+  };
   std::size_t pairs = 0;
   const auto exclude = [&](const std::set<int>& a, const std::set<int>& b, const UsdPrim& prim) {
     pairs += a.size() * b.size();
@@ -207,17 +216,19 @@ void UsdReader::addFilters() {
     const UsdPrim prim = at(*each.prim);
     if (const auto* targets = prim.targets("physics:filteredPairs")) {
       const std::set<int> own = linksBelow(each.path);
-      for (const std::string& target : *targets) exclude(own, linksBelow(target), prim);
+      for (const std::string& target : *targets) exclude(own, linksOf(each, target), prim);
       report_.converted(prim.place(), "filtered pairs" + inQuotes(each.prim->name),
                         "pairs that do not collide");
     }
     if (each.prim->type != "PhysicsCollisionGroup") continue;
     groupAt[each.path] = nameOf(prim, each);
-    if (const auto* members = prim.targets("collection:colliders:includes"))
-      for (const std::string& member : *members) groups[nameOf(prim, each)].merge(linksBelow(member));
-    if (const auto* others = prim.targets("collection:colliders:excludes"))
-      for (const std::string& other : *others)
-        for (const int link : linksBelow(other)) groups[nameOf(prim, each)].erase(link);
+    std::set<int> members;
+    if (const auto* included = prim.targets("collection:colliders:includes"))
+      for (const std::string& target : *included) members.merge(linksOf(each, target));
+    if (const auto* excluded = prim.targets("collection:colliders:excludes"))
+      for (const std::string& target : *excluded)
+        for (const int link : linksOf(each, target)) members.erase(link);
+    groups[nameOf(prim, each)].merge(members);
     prim.text("collection:colliders:expansionRule");
   }
   for (const Placed& each : placed_) {
@@ -226,7 +237,7 @@ void UsdReader::addFilters() {
     std::set<int> named;
     if (const auto* targets = prim.targets("physics:filteredGroups"))
       for (const std::string& target : *targets) {
-        const std::set<int>& members = groups[groupAt[target]];
+        const std::set<int>& members = groups[groupAt[inInstance(each, target)]];
         named.insert(members.begin(), members.end());
       }
     const std::set<int>& own = groups[groupAt[each.path]];

@@ -9,18 +9,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string inPackage(const std::string& archive, const std::string& name) {
-  return archive + "[" + name + "]";
-}
-
-/// "model.usdz[arm.usda]" as "model.usdz" and "arm.usda"; the second is empty for a file of a folder.
-std::pair<std::string, std::string> parts(const std::string& file) {
-  const std::size_t at = file.ends_with(']') ? file.find('[') : std::string::npos;
-  if (at == std::string::npos) return {file, ""};
-  return {file.substr(0, at), file.substr(at + 1, file.size() - at - 2)};
+/// An asset "model.usdz[arm.usda]" as "model.usdz" and "arm.usda"; the second is empty for other assets.
+std::pair<std::string, std::string> parts(const std::string& asset) {
+  constexpr std::string_view kEnding = ".usdz";
+  const std::size_t at = asset.ends_with(']') ? asset.rfind(std::string(kEnding) + "[") : std::string::npos;
+  if (at == std::string::npos) return {asset, ""};
+  const std::size_t begin = at + kEnding.size();
+  return {asset.substr(0, begin), asset.substr(begin + 1, asset.size() - begin - 2)};
 }
 
 }  // namespace
+
+std::string UsdFiles::inPackage(const std::string& archive, const std::string& name) {
+  const std::string file = archive + "[" + name + "]";
+  packed_[file] = {&packages_.at(archive), archive, name};
+  return file;
+}
 
 std::string UsdFiles::open(const std::string& bytes, std::string& file) {
   if (!usd::isPackage(bytes)) return bytes;
@@ -30,10 +34,10 @@ std::string UsdFiles::open(const std::string& bytes, std::string& file) {
 }
 
 std::string UsdFiles::find(const std::string& asset, const std::string& layer, const std::string& who) {
-  const auto [archive, inside] = parts(layer);
-  if (!inside.empty()) {
+  if (const auto packed = packed_.find(layer); packed != packed_.end()) {
+    const auto& [package, archive, inside] = packed->second;
     const std::string name = (fs::path(inside).parent_path() / asset).lexically_normal().generic_string();
-    if (!packages_.at(archive).contains(name)) throw Error(who, "a file of the package", "\"" + asset + "\"");
+    if (!package->contains(name)) throw Error(who, "a file of the package", "\"" + asset + "\"");
     if (fs::path(name).extension() == ".usdz")
       throw Error(who, "no package in a package", "\"" + asset + "\"");
     return inPackage(archive, name);
@@ -49,8 +53,9 @@ std::string UsdFiles::find(const std::string& asset, const std::string& layer, c
 }
 
 std::string UsdFiles::read(const std::string& file, const std::string& who) {
-  const auto [archive, inside] = parts(file);
-  return inside.empty() ? bytesOf(file, who) : packages_.at(archive).read(inside, who);
+  const auto packed = packed_.find(file);
+  return packed == packed_.end() ? bytesOf(file, who)
+                                 : packed->second.package->read(packed->second.name, who);
 }
 
 }  // namespace rubble::convert

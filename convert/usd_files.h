@@ -18,8 +18,16 @@ class UsdFiles {
   std::string read(const std::string& file, const std::string& who);
 
  private:
+  /// A file of a package that has been named.
+  struct Packed {
+    const usd::Package* package;
+    std::string archive, name;
+  };
+  std::string inPackage(const std::string& archive, const std::string& name);
+
   Folders& folders_;
   std::map<std::string, usd::Package> packages_;  ///< by the name of the archive
+  std::map<std::string, Packed> packed_;          ///< by "archive[name]"
 };
 
 }  // namespace rubble::convert

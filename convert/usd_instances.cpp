@@ -47,7 +47,7 @@ void UsdReader::addInstances(const usd::Prim& prim, const std::string& path, con
   };
   std::vector<const usd::Prim*> prototypes;
   for (const std::string& target : *targets) prototypes.push_back(primAt(*stage_, target));
-  const bool outer = std::exchange(isInstanced_, true);
+  const int outer = instance_;
   for (std::size_t i = 0; i < count; ++i) {
     const double index = (*indices)[i];
     if (!(index >= 0 && index < static_cast<double>(prototypes.size())))
@@ -64,6 +64,11 @@ void UsdReader::addInstances(const usd::Prim& prim, const std::string& path, con
                          Affine::scaling(vectorAt(scales, i, {1, 1, 1}));
     const std::size_t before = model_.links.size();
     const std::string name = path + "/" + prototypes[which]->name + "_" + std::to_string(i);
+    for (int each = outer; each >= 0; each = instances_[static_cast<std::size_t>(each)].outer)
+      if (instances_[static_cast<std::size_t>(each)].prototype == (*targets)[which])
+        own.fail("prototypes", "instancers without a cycle", (*targets)[which]);
+    instance_ = static_cast<int>(instances_.size());
+    instances_.push_back({(*targets)[which], name, outer});
     placeAll(*prototypes[which], name, place, link);
     for (std::size_t k = before; k < model_.links.size(); ++k) {
       model_.links[k].velocity += world.direction(vectorAt(velocities, i, {}));
@@ -71,9 +76,18 @@ void UsdReader::addInstances(const usd::Prim& prim, const std::string& path, con
                                          rotate(world.rigid().q, vectorAt(spins, i, {}));
     }
   }
-  isInstanced_ = outer;
+  instance_ = outer;
   report_.converted(own.place(), "PointInstancer" + inQuotes(prim.name),
                     std::to_string(count) + " instances");
+}
+
+std::string UsdReader::inInstance(const Placed& from, const std::string& target) const {
+  for (int i = from.instance; i >= 0; i = instances_[static_cast<std::size_t>(i)].outer) {
+    const Instance& each = instances_[static_cast<std::size_t>(i)];
+    if (target == each.prototype || target.starts_with(each.prototype + "/"))
+      return each.path + target.substr(each.prototype.size());
+  }
+  return target;
 }
 
 }  // namespace rubble::convert

@@ -101,7 +101,18 @@ void UsdReader::addJoint(const UsdPrim& prim, const std::string& path) {
   out.place = prim.place();
   const Pose b = endOf(prim, "physics:body0", "physics:localPos0", "physics:localRot0", out.linkB),
              a = endOf(prim, "physics:body1", "physics:localPos1", "physics:localRot1", out.linkA);
-  JointDef& joint = out.joint;
+  JointDef joint;
+  const double force = prim.number("physics:breakForce", INFINITY, true),
+               torque = prim.number("physics:breakTorque", INFINITY, true);
+  const auto add = [&](JointDef made, const std::string& name) {
+    made.name = name;
+    made.collide = prim.flag("physics:collisionEnabled", false);
+    if (std::isfinite(force) && force > 0) made.breakForce = force * kilogramsPerUnit_ * metersPerUnit_;
+    if (std::isfinite(torque) && torque > 0)
+      made.breakTorque = torque * kilogramsPerUnit_ * metersPerUnit_ * metersPerUnit_;
+    out.joint = std::move(made);
+    model_.joints.push_back(out);
+  };
   const auto distance = [&](const char* low, const char* high) {
     JointDef rod;
     rod.type = jointType("tendon");
@@ -135,21 +146,10 @@ void UsdReader::addJoint(const UsdPrim& prim, const std::string& path) {
     joint.anchorA = a.p, joint.anchorB = b.p;
     joint.frameA = normalize(a.q * frameOfAxis(main)), joint.frameB = normalize(b.q * frameOfAxis(main));
   }
-  joint.name = path.substr(1);
-  joint.collide = prim.flag("physics:collisionEnabled", false);
-  const double force = prim.number("physics:breakForce", INFINITY, true),
-               torque = prim.number("physics:breakTorque", INFINITY, true);
-  if (std::isfinite(force) && force > 0) joint.breakForce = force * kilogramsPerUnit_ * metersPerUnit_;
-  if (std::isfinite(torque) && torque > 0)
-    joint.breakTorque = torque * kilogramsPerUnit_ * metersPerUnit_ * metersPerUnit_;
   prim.flag("physics:excludeFromArticulation", false);
-  if (type == "PhysicsJoint" && prim.prim().hasSchema("PhysicsLimitAPI:distance")) {
-    FreeJoint rod = out;
-    rod.joint = distance("limit:distance:physics:low", "limit:distance:physics:high");
-    rod.joint.name = joint.name + "/distance", rod.joint.collide = joint.collide;
-    model_.joints.push_back(std::move(rod));
-  }
-  model_.joints.push_back(std::move(out));
+  if (type == "PhysicsJoint" && prim.prim().hasSchema("PhysicsLimitAPI:distance"))
+    add(distance("limit:distance:physics:low", "limit:distance:physics:high"), path.substr(1) + "/distance");
+  add(std::move(joint), path.substr(1));
 }
 
 }  // namespace rubble::convert

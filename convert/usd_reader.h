@@ -52,9 +52,14 @@ class UsdReader {
   struct Placed {
     const usd::Prim* prim;
     std::string path;
-    Affine world;  ///< in meters, z up
-    int link;      ///< -1: the world
-    bool isInstance = false;
+    Affine world;       ///< in meters, z up
+    int link;           ///< -1: the world
+    int instance = -1;  ///< index into instances_
+  };
+  /// A prototype, where it is placed, and the instance that its instancer belongs to (or -1).
+  struct Instance {
+    std::string prototype, path;
+    int outer;
   };
 
   // usd.cpp
@@ -70,6 +75,8 @@ class UsdReader {
 
   // usd_instances.cpp
   void addInstances(const usd::Prim& prim, const std::string& path, const Affine& world, int link);
+  /// The path of a target of a placed prim: within the instance where the file names its prototype.
+  std::string inInstance(const Placed& from, const std::string& target) const;
 
   // usd_frames.cpp
   /// The transformation of a prim to its parent. `resets`: it is to the world.
@@ -111,7 +118,9 @@ class UsdReader {
   std::vector<const usd::Prim*> bodyPrims_;  ///< of each link
   std::vector<std::size_t> joints_;          ///< indices into placed_
   std::unordered_set<const usd::Property*> used_;
-  bool hasScene_ = false, isInstanced_ = false;
+  std::vector<Instance> instances_;
+  int instance_ = -1;  ///< that is being placed
+  bool hasScene_ = false;
 };
 
 Model readUsd(const std::string& bytes, const std::string& file, Folders& folders, Report& report);

@@ -89,23 +89,24 @@ UsdReader::Surface UsdReader::surfaceOf(const UsdPrim& prim, const std::string& 
   // the nearest binding above counts
   Surface out;
   std::string at = path;
-  const std::vector<std::string>* bound = nullptr;
-  while (!bound) {
+  std::string bound;
+  while (bound.empty()) {
     const auto found = byPath_.find(at);
     if (found != byPath_.end()) {
-      const UsdPrim own = this->at(*placed_[found->second].prim);
-      bound = own.targets("material:binding:physics");
-      if (!bound) bound = own.targets("material:binding");
+      const Placed& owner = placed_[found->second];
+      const UsdPrim own = this->at(*owner.prim);
+      const auto* targets = own.targets("material:binding:physics");
+      if (!targets) targets = own.targets("material:binding");
+      if (targets) bound = inInstance(owner, targets->front());
     }
     const std::size_t slash = at.rfind('/');
     if (slash == std::string::npos || slash == 0) break;
     at = at.substr(0, slash);
   }
-  if (!bound) return out;
-  const auto found = byPath_.find(bound->front());
+  if (bound.empty()) return out;
+  const auto found = byPath_.find(bound);
   if (found == byPath_.end()) {
-    report_.note(Effect::Lost, prim.place(), "material:binding",
-                 "the material '" + bound->front() + "' is not there");
+    report_.note(Effect::Lost, prim.place(), "material:binding", "the material '" + bound + "' is not there");
     return out;
   }
   const UsdPrim material = this->at(*placed_[found->second].prim);

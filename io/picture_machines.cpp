@@ -13,8 +13,9 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 /// Worlds with more bodies or joints are drawn plainly.
 constexpr std::size_t kMostBodies = 200, kMostJoints = 60;
-/// Teeth of a wheel; the larger wheel of a pair may have more.
-constexpr int kFewTeeth = 10, kMostTeeth = 40;
+/// Teeth of a wheel; the larger wheel of a pair may have more, and one with more than kMostDrawnTeeth is
+/// drawn plainly.
+constexpr int kFewTeeth = 10, kMostTeeth = 40, kMostDrawnTeeth = 400;
 /// Addendum and half widths of a tooth at its root and tip, over the pitch [1].
 constexpr double kAddendum = .22, kRootHalf = .31, kTipHalf = .15;
 /// Thickness of a stand over the size of what it carries [1].
@@ -93,6 +94,11 @@ int teethFor(double ratio) {
   return best;
 }
 
+/// A number of teeth that can be drawn, or one above kMostDrawnTeeth.
+int wholeTeeth(double teeth) {
+  return static_cast<int>(std::lround(std::clamp(teeth, 3.0, kMostDrawnTeeth + 1.0)));
+}
+
 using Drawn = std::unordered_map<std::size_t, std::pair<Shape, int>>;
 
 void addGear(const JointDef& joint, const BodyDef& a, const BodyDef& b, std::size_t slotA, std::size_t slotB,
@@ -110,14 +116,18 @@ void addGear(const JointDef& joint, const BodyDef& a, const BodyDef& b, std::siz
     wheelA.radius = distance / (1 + ratio), wheelB.radius = distance - wheelA.radius;
   int teeth = teethFor(ratio);
   if (const auto known = drawn.find(slotB); known != drawn.end())
-    teeth = std::max(3, static_cast<int>(std::lround(known->second.second / ratio)));
+    teeth = wholeTeeth(known->second.second / ratio);
   if (const auto known = drawn.find(slotA); known != drawn.end()) teeth = known->second.second;
-  const int teethB = std::max(3, static_cast<int>(std::lround(teeth * ratio)));
+  const int teethB = wholeTeeth(teeth * ratio);
   // a tooth of A meets a gap of B between the two
   const double atA = angleOf(wheelA, rotateInverse(a.orientation, apart)),
                atB = angleOf(wheelB, rotateInverse(b.orientation, -apart)) + kPi / teethB;
-  if (hasA && !drawn.contains(slotA)) drawn[slotA] = {toothedWheel(wheelA, teeth, atA), teeth};
-  if (hasB && !drawn.contains(slotB)) drawn[slotB] = {toothedWheel(wheelB, teethB, atB), teethB};
+  const auto draw = [&](std::size_t slot, const Wheel& wheel, int count, double phase) {
+    if (count <= kMostDrawnTeeth && !drawn.contains(slot))
+      drawn[slot] = {toothedWheel(wheel, count, phase), count};
+  };
+  if (hasA) draw(slotA, wheelA, teeth, atA);
+  if (hasB) draw(slotB, wheelB, teethB, atB);
 }
 
 PictureBody beam(const Vec3& from, const Vec3& to, double half, std::uint32_t key) {

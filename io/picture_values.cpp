@@ -14,13 +14,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-bool same(const Material& a, const Material& b) {
-  return a.staticFriction == b.staticFriction && a.dynamicFriction == b.dynamicFriction &&
-         a.restitution == b.restitution && a.frictionCombine == b.frictionCombine &&
-         a.restitutionCombine == b.restitutionCombine && a.rollingFriction == b.rollingFriction &&
-         a.torsionalFriction == b.torsionalFriction && a.surfaceVelocity == b.surfaceVelocity;
-}
-
 /// Places of bodies and deformable objects in the lists of a world: objects follow bodies.
 class Places {
  public:
@@ -110,8 +103,7 @@ std::vector<double> materials(const World& world, const Places& places) {
   std::vector<Material> known;
   std::vector<double> out;
   const auto add = [&](const Material& material) {
-    const auto at = std::find_if(known.begin(), known.end(),
-                                 [&](const Material& m) { return same(m, material); });
+    const auto at = std::ranges::find(known, material);
     out.push_back(static_cast<double>(at - known.begin()));
     if (at == known.end()) known.push_back(material);
   };

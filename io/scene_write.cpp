@@ -1,8 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "io/joint_reader.h"
 #include "io/json_text.h"
@@ -72,27 +72,27 @@ class SceneWriter {
   Json claim(const FileClaim& claim) const;
 
   const SceneFile& file_;
-  std::map<std::pair<std::vector<double>, std::string>, std::pair<std::string, Material>> materials_;
-  std::set<std::string> materialNames_;                     ///< keys of materials_ in the file
-  std::map<const ShapeGeometry*, std::string> shapeNames_;  ///< of several bodies
-  std::vector<std::pair<std::string, Shape>> shapes_;       ///< the same in the order of their second use
+  std::vector<std::pair<std::string, Material>> materials_;  ///< by their keys in the file
+  std::map<const ShapeGeometry*, std::string> shapeNames_;   ///< of several bodies
+  std::vector<std::pair<std::string, Shape>> shapes_;        ///< the same in the order of their second use
   std::map<std::string, int> nameUses_;
   std::map<const ShapeGeometry*, int> geometryUses_;
 };
 
 void SceneWriter::nameMaterial(const Material& material) {
-  const auto key = materialKey(material);
-  if (key == materialKey(Material{}) || materials_.contains(key)) return;
+  if (material == Material{} || !materialName(material).is_null()) return;
+  const auto isTaken = [&](const std::string& name) {
+    return std::ranges::any_of(materials_, [&](const auto& named) { return named.first == name; });
+  };
   std::string name = material.name;
-  for (std::size_t k = materials_.size() + 1; name.empty() || materialNames_.contains(name); ++k)
+  for (std::size_t k = materials_.size() + 1; name.empty() || isTaken(name); ++k)
     name = "material" + std::to_string(k);
-  materialNames_.insert(name);
-  materials_.emplace(key, std::pair(name, material));
+  materials_.emplace_back(name, material);
 }
 
 Json SceneWriter::materialName(const Material& material) const {
-  const auto found = materials_.find(materialKey(material));
-  return found == materials_.end() ? Json() : Json(found->second.first);
+  const auto found = std::ranges::find(materials_, material, &std::pair<std::string, Material>::second);
+  return found == materials_.end() ? Json() : Json(found->first);
 }
 
 void SceneWriter::nameShape(const BodyDef& body) {
@@ -192,10 +192,10 @@ Json SceneWriter::write() {
   if (!same(file_.dt, SceneFile{}.dt)) json["dt"] = file_.dt;
   if (file_.camera)
     json["camera"] = {{"eye", vectorJson(file_.camera->eye)}, {"target", vectorJson(file_.camera->target)}};
-  for (const auto& [key, named] : materials_) {
-    Json& material = json["materials"][named.first] = materialJson(named.second);
-    material["name"] = named.second.name;
-    if (named.first == named.second.name) material.erase("name");
+  for (const auto& [key, own] : materials_) {
+    Json& material = json["materials"][key] = materialJson(own);
+    material["name"] = own.name;
+    if (key == own.name) material.erase("name");
   }
   for (const MaterialPair& pair : scene.materialPairs)
     json["material_pairs"].push_back(materialPairJson(pair));

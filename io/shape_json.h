@@ -20,8 +20,6 @@ MaterialPair readMaterialPair(const Node& node);
 nlohmann::ordered_json shapeJson(const Shape& shape);
 nlohmann::ordered_json materialJson(const Material& material);
 nlohmann::ordered_json materialPairJson(const MaterialPair& pair);
-/// All numbers of a material and its name: equal ones are one.
-std::pair<std::vector<double>, std::string> materialKey(const Material& material);
 /// A unit quaternion [w, x, y, z], or an axis with an angle in degrees.
 Quat readOrientation(const Node& node);
 

@@ -21,23 +21,6 @@ Ordered pointsJson(const std::vector<Vec3>& points) {
 
 }  // namespace
 
-std::pair<std::vector<double>, std::string> materialKey(const Material& m) {
-  const std::vector<double> numbers{m.staticFriction,
-                                    m.dynamicFriction,
-                                    m.restitution,
-                                    double(m.frictionCombine),
-                                    double(m.restitutionCombine),
-                                    m.rollingFriction,
-                                    m.torsionalFriction,
-                                    m.surfaceVelocity.x,
-                                    m.surfaceVelocity.y,
-                                    m.surfaceVelocity.z,
-                                    m.oneWay.x,
-                                    m.oneWay.y,
-                                    m.oneWay.z};
-  return {numbers, m.name};
-}
-
 nlohmann::ordered_json materialJson(const Material& material) {
   Ordered json = Ordered::object();
   if (sameBits(material.staticFriction, material.dynamicFriction)) {

@@ -126,7 +126,7 @@ class Runner {
   const Job& job() const { return job_; }
   StepReport step();  ///< events of this step, the driver, then one step
   RunResult run(int steps, const Observer& observer = {});
-  /// Continues from a snapshot of a run of the same job.
+  /// Continues from a snapshot of a run of the same job. Throws Error if its parameters are others.
   void resume(const Snapshot& checkpoint);
 
  private:

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "registry.h"
 
@@ -16,6 +17,12 @@ Job inStepsOf(double dt, Job job) {
   for (Event& event : job.scene.events) event.step = scaled(event.step);
   job.dt = dt;
   return job;
+}
+
+std::string textOf(double number) {
+  std::ostringstream out;
+  out << number;
+  return out.str();
 }
 
 }  // namespace
@@ -44,7 +51,13 @@ StepReport Runner::step() {
 void Runner::resume(const Snapshot& checkpoint) {
   for (auto& probe : job_.probes) probe->start(world_);
   started_ = true;
+  const Params own = world_.params();
   world_.restore(checkpoint);
+  const Params& its = world_.params();
+  for (const ParamField& field : paramFields())
+    if (const double a = field.get(own), b = field.get(its); a != b)
+      throw Error(std::string("params.") + field.name, "that of the checkpoint, " + textOf(b), textOf(a));
+  if (own != its) throw Error("params", "the preset and policies of the checkpoint", "others");
 }
 
 RunResult Runner::run(int steps, const Observer& observer) {

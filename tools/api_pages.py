@@ -4,6 +4,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import xml.etree.ElementTree as ET
 
 SETTINGS = """INPUT={source}
@@ -96,9 +97,9 @@ def header_of(element):
 
 
 def write(source, work, target):
-    """Writes pages of the headers in `source` to `target` and returns their paths. Without Doxygen: none."""
+    """Writes pages of the headers in `source` to `target` and returns their paths. Exits without Doxygen."""
     if not shutil.which("doxygen"):
-        return []
+        sys.exit("make_docs: pages of the API need Doxygen (apt-get install doxygen)")
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
     settings = work / "Doxyfile"

@@ -9,10 +9,12 @@
 #include "apps/cli/measure.h"
 #include "apps/cli/picture_writer.h"
 #include "apps/cli/progress.h"
+#include "io/crc32.h"
 #include "io/input_log.h"
 #include "io/output_file.h"
 #include "io/picture_poses.h"
 #include "io/recording.h"
+#include "io/scene_json.h"
 
 namespace rubble::cli {
 namespace {
@@ -67,12 +69,37 @@ std::vector<std::byte> readBytes(const std::string& file) {
   return out;
 }
 
+/// A checkpoint is this line, which names the scene of its run, and a save game.
+constexpr std::string_view kCheckpoint = "rubble checkpoint 1, scene ";
+
+/// Scene of a run, by a checksum of all that it says, and its title.
+std::string sceneOf(const scenes::Job& job, const std::string& title) {
+  io::SceneFile file;
+  file.scene = job.scene;
+  const std::string text = io::toJson(file);
+  return fmt::format("{:08x} ({})", io::crc32(text.data(), text.size()), title);
+}
+/// Without the title, which may have arguments in another order.
+std::string checksumOf(const std::string& scene) { return scene.substr(0, scene.find(' ')); }
+
+/// The state in a checkpoint of a run of the same scene. Throws Error for another file.
+Snapshot readCheckpoint(const std::string& file, const std::string& scene) {
+  const std::vector<std::byte> bytes = readBytes(file);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::size_t end = text.starts_with(kCheckpoint) ? text.find('\n') : text.npos;
+  if (end == text.npos) throw Error(file, "a checkpoint that 'rubble run' wrote", "another file");
+  const std::string found(text.substr(kCheckpoint.size(), end - kCheckpoint.size()));
+  if (checksumOf(found) != checksumOf(scene)) throw Error(file, "a checkpoint of scene " + scene, found);
+  return Snapshot::fromBytes(std::span(bytes).subspan(end + 1));
+}
+
 /// Replaces the checkpoint, or leaves the one before. Without a file the state is gathered, as other ranks
 /// need it.
-void writeCheckpoint(const std::string& file, const World& world) {
+void writeCheckpoint(const std::string& file, const std::string& scene, const World& world) {
   const std::vector<std::byte> state = world.snapshot().bytes();
   if (file.empty()) return;
   io::OutputFile out(file);
+  out.stream() << kCheckpoint << scene << '\n';
   out.stream().write(reinterpret_cast<const char*>(state.data()), static_cast<std::streamsize>(state.size()));
   out.finish();
 }
@@ -81,7 +108,10 @@ void writeCheckpoint(const std::string& file, const World& world) {
 
 SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   scenes::Runner runner(std::move(prepared.job), prepared.world);
-  if (!options.resumeFile.empty()) runner.resume(Snapshot::fromBytes(readBytes(options.resumeFile)));
+  std::string scene;
+  if (options.checkpointInterval > 0 || !options.resumeFile.empty())
+    scene = sceneOf(runner.job(), prepared.title);
+  if (!options.resumeFile.empty()) runner.resume(readCheckpoint(options.resumeFile, scene));
   // steps are counted from the start of the run that the checkpoint is of
   const int taken = static_cast<int>(runner.world().stepCount());
   if (taken > 0 && taken >= prepared.steps)
@@ -122,7 +152,7 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
         }
         recorder.record(runner.world());
         if (options.checkpointInterval > 0 && (taken + step + 1) % options.checkpointInterval == 0)
-          writeCheckpoint(options.checkpointFile, world);
+          writeCheckpoint(options.checkpointFile, scene, world);
         takePictures(world, taken + step + 1);
         progress.update(step + 1, report.totalMs);
         return true;

@@ -50,6 +50,10 @@ struct MeshScene {
 /// the line or reason of what is wrong, and for files that lead out of their folder.
 TriangleMesh readSurface(const std::string& file, double scale = 1, const std::string& up = "");
 
+/// The same with the axes of the file as they are, whichever it says is up: what URDF means. Units that the
+/// file gives are applied.
+TriangleMesh readSurfaceAsWritten(const std::string& file);
+
 /// A scene with the mesh. Throws Error if it has no surface, or is not closed where that is needed.
 MeshScene importMesh(const std::string& file, const MeshOptions& options = {});
 

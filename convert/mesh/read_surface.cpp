@@ -48,8 +48,9 @@ class FolderIo final : public Assimp::DefaultIOSystem {
   std::filesystem::path folder_;
 };
 
-TriangleMesh readByAssimp(const std::string& file) {
+TriangleMesh readByAssimp(const std::string& file, bool asWritten) {
   Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, asWritten);
   importer.SetIOHandler(new FolderIo(file));  // the importer deletes it
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* const scene = importer.ReadFile(
@@ -76,7 +77,7 @@ TriangleMesh readByAssimp(const std::string& file) {
   return out;
 }
 #else
-TriangleMesh readByAssimp(const std::string& file) {
+TriangleMesh readByAssimp(const std::string& file, bool) {
   throw Error(file,
               "a build with assimp (Debian: apt-get install libassimp-dev), or an OBJ, STL, PLY or MSH file",
               "\"" + endingOf(file) + "\"");
@@ -101,7 +102,16 @@ TriangleMesh welded(const TriangleMesh& mesh) {
   return out;
 }
 
+TriangleMesh surfaceOf(const std::string& file, bool asWritten) {
+  const bool isOwn = contains(kOwn, endingOf(file));
+  TriangleMesh mesh = welded(isOwn ? io::readMesh(file).surface() : readByAssimp(file, asWritten));
+  if (mesh.triangles.empty()) throw Error(file, "triangles", "none");
+  return mesh;
+}
+
 }  // namespace
+
+TriangleMesh readSurfaceAsWritten(const std::string& file) { return surfaceOf(file, true); }
 
 bool isMeshFile(const std::string& file) {
   return contains(kOwn, endingOf(file)) || contains(kOthers, endingOf(file));
@@ -110,11 +120,9 @@ bool isMeshFile(const std::string& file) {
 TriangleMesh readSurface(const std::string& file, double scale, const std::string& up) {
   if (!(scale > 0)) throw Error("--scale", "a factor above 0", std::to_string(scale));
   if (!up.empty() && up != "y" && up != "z") throw Error("--up", "y or z", up);
-  const bool isOwn = contains(kOwn, endingOf(file));
-  TriangleMesh mesh = welded(isOwn ? io::readMesh(file).surface() : readByAssimp(file));
-  if (mesh.triangles.empty()) throw Error(file, "triangles", "none");
+  TriangleMesh mesh = surfaceOf(file, false);
   // assimp turns what it reads to y up
-  const bool isYUp = up.empty() ? !isOwn : up == "y";
+  const bool isYUp = up.empty() ? !contains(kOwn, endingOf(file)) : up == "y";
   for (Vec3& x : mesh.vertices) {
     if (isYUp) x = {x.x, -x.z, x.y};
     x *= scale;

@@ -30,7 +30,9 @@ enum class Combine {
 struct Material {
   double staticFriction = .6;   ///< mu_s [1]
   double dynamicFriction = .6;  ///< mu_d [1], at most mu_s
-  double restitution = 0;       ///< e [1], for approach speeds above 1 m/s
+  /// e [1], of impacts that close faster than the largest of 0.3 sqrt(g L), 2 g dt and 3e-4 L/dt [m/s], with
+  /// L the size of the smaller body.
+  double restitution = 0;
   Combine frictionCombine = Combine::Usual;
   Combine restitutionCombine = Combine::Usual;
   // bodies only
@@ -47,6 +49,8 @@ struct Material {
   Vec3 oneWay{};
   /// Names the material in pair rules (MaterialPair). Empty: pair rules never apply.
   std::string name{};
+
+  friend bool operator==(const Material&, const Material&) = default;
 };
 
 /// Coefficients of contacts between two named materials. Each that is given replaces the mixture of those of

@@ -1,7 +1,7 @@
 #include "platform/team.h"
 
 #include <algorithm>
-#include <system_error>
+#include <exception>
 #include <utility>
 
 namespace rubble {
@@ -29,13 +29,13 @@ Team::~Team() {
   for (std::thread& helper : helpers_) helper.join();
 }
 
-void Team::start() {
+void Team::start() noexcept {
   if (!helpers_.empty()) return;
-  helpers_.reserve(static_cast<std::size_t>(threads_ - 1));
   try {
+    helpers_.reserve(static_cast<std::size_t>(threads_ - 1));
     for (int k = 1; k < threads_; ++k) helpers_.emplace_back([this] { work(); });
-  } catch (const std::system_error&) {
-    // the system gives no more: those that are there do the work
+  } catch (const std::exception&) {
+    // the system gives no more threads or memory: those that are there do the work
   }
 }
 

@@ -37,7 +37,7 @@ class Team {
   using Call = void (*)(void* context, std::size_t k);
 
   void run(std::size_t count, Call call, void* context);
-  void start();
+  void start() noexcept;
   void work();
   bool takeOne();
 

@@ -3,6 +3,8 @@
 /// result depends on which.
 #include <algorithm>
 #include <cstddef>
+#include <exception>
+#include <mutex>
 #include <utility>
 
 #include <rubble/tasks.h>
@@ -50,6 +52,7 @@ class Threads {
         Threads(const Threads&) = delete;
   Threads& operator=(const Threads&) = delete;
 
+  const TaskSystem& tasks() const { return tasks_; }
   /// Most ranges that loops have use for.
   int count() {
     if (tasks_.run) return tasks_.parts;
@@ -80,18 +83,35 @@ class Threads {
   TaskSystem tasks_;
 };
 
+/// Calls f(k) for k = 0 .. n - 1 on tasks of the host, which do not throw: the exception of the lowest k is
+/// thrown when all have returned.
+template <class F> void forEachHostTask(const TaskSystem& host, int n, F& f) {
+  struct Loop {
+    F& f;
+    int failed;
+    std::exception_ptr failure;
+    std::mutex mutex;
+  } loop{f, n, nullptr, {}};
+  const auto task = [](void* context, int k) {
+    Loop& own = *static_cast<Loop*>(context);
+    try {
+      own.f(static_cast<std::size_t>(k));
+    } catch (...) {
+      const std::lock_guard lock(own.mutex);
+      if (k < own.failed) own.failed = k, own.failure = std::current_exception();
+    }
+  };
+  host.run(n, task, &loop);
+  if (loop.failure) std::rethrow_exception(loop.failure);
+}
+
 /// Calls f(k) for k = 0 .. n - 1, each a task of its own.
 template <class F> void forEachTask(std::size_t n, F&& f) {
   const auto each = [&] {
     for (std::size_t k = 0; k < n; ++k) f(k);
   };
   if (const TaskSystem* const host = hostTasks()) {
-    if (host->parts == 1 || n == 0) return each();
-    auto* own = &f;
-    const auto task = [](void* context, int k) {
-      (**static_cast<decltype(own)*>(context))(static_cast<std::size_t>(k));
-    };
-    return host->run(static_cast<int>(n), task, &own);
+    return host->parts == 1 || n == 0 ? each() : forEachHostTask(*host, static_cast<int>(n), f);
   }
 #if defined(RUBBLE_HAS_TBB)
   tbb::parallel_for(std::size_t{0}, n, std::forward<F>(f), tbb::simple_partitioner{});

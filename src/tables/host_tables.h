@@ -39,6 +39,12 @@ struct HostTables : SolverTables<HostMemory> {
     rulesRoll_ = roll, rulesBounce_ = bounce;
     setTraits(traits_);
   }
+  /// Rolling rows for which a saved state needs memory, if `traits` are those of its bodies: one per manifold
+  /// if anything may roll in the next step or has rolled in the last one.
+  int rollingRows(const TraitCounts& traits, int activePairs, int rollers) const {
+    const bool roll = traits[BodyTrait::Rolls] > 0 || rulesRoll_ || rollers > 0;
+    return roll ? std::max(activePairs, rollers) : 0;
+  }
 
  private:
   TraitCounts traits_;

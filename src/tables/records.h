@@ -42,6 +42,8 @@ struct EngineMaterialRule {
   int given = 0;  ///< bit k: coefficient k replaces the mixture
   /// Static and dynamic friction, restitution, rolling and torsional friction [1], [m].
   std::array<double, 5> coefficients{};
+
+  friend bool operator==(const EngineMaterialRule&, const EngineMaterialRule&) = default;
 };
 /// Kind of the materials of a name, 0 if there is none or the name is empty.
 inline int materialKind(std::span<const Material> materials, const std::string& name) {

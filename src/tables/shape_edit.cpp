@@ -55,7 +55,7 @@ void setSurfaces(HostTables& tables, const SetSurfaces& edit) {
           static_cast<Real>(m.rollingFriction),
           static_cast<Real>(m.torsionalFriction),
           Vec3(m.surfaceVelocity),
-          normalize(Vec3(m.oneWay), Vec3{0, 0, 0})};
+          Vec3(m.oneWay)};
     to.frictionCombine = static_cast<std::uint32_t>(m.frictionCombine) & 0xffu;
     to.kind = static_cast<std::uint32_t>(materialKind(edit.surfaces, m.name)) & 0xffffffu;
   }

@@ -124,19 +124,25 @@ struct Moves {
                    const std::vector<EngineSoftObject>& objects) {
     featureFrom.assign(static_cast<std::size_t>(s.features), -1);
     featureTo.assign(static_cast<std::size_t>(old.features), -1);
-    const auto add = [&](int from, int to, std::size_t count) {
-      for (std::size_t k = 0; k < count; ++k) {
-        featureFrom[static_cast<std::size_t>(to) + k] = from + static_cast<int>(k);
-        featureTo[static_cast<std::size_t>(from) + k] = to + static_cast<int>(k);
+    const auto link = [&](int from, int to) {
+      featureFrom[static_cast<std::size_t>(to)] = from, featureTo[static_cast<std::size_t>(from)] = to;
+    };
+    // of a redefined object those with the same corners; contacts of others are lost
+    const auto add = [&]<class T>(const std::vector<T>* before, const std::vector<T>& now, int from, int to) {
+      std::map<decltype(T::v), int> indices;
+      for (std::size_t k = 0; before && k < before->size(); ++k)
+        indices.emplace((*before)[k].v, static_cast<int>(k));
+      for (int k = 0; k < static_cast<int>(now.size()); ++k) {
+        const auto found = indices.find(now[static_cast<std::size_t>(k)].v);
+        if (!before || found != indices.end()) link(from + (before ? found->second : k), to + k);
       }
     };
     for (const EngineSoftObject& o : objects) {
-      // contacts of a surface of other features are lost
-      if (o.previous.vertex < 0 || (o.before && (o.before->edges.size() != o.model->edges.size() ||
-                                                 o.before->faces.size() != o.model->faces.size())))
-        continue;
-      add(o.previous.edge, o.at.edge, o.model->edges.size());
-      add(old.edges + o.previous.face, s.edges + o.at.face, o.model->faces.size());
+      if (o.previous.vertex < 0) continue;
+      const SoftModel* const before = o.before ? &*o.before : nullptr;
+      add(before ? &before->edges : nullptr, o.model->edges, o.previous.edge, o.at.edge);
+      add(before ? &before->faces : nullptr, o.model->faces, old.edges + o.previous.face,
+          s.edges + o.at.face);
     }
   }
   /// Old index of an owner of pairs.

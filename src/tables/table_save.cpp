@@ -34,9 +34,9 @@ std::size_t liveCount(const HostTables& tables, Per per) {
       return static_cast<std::size_t>(tables.shapeParts);
     case Per::Surface:
       return static_cast<std::size_t>(s.surfaces);
-    // none before the first step with such materials
+    // as the last step left them: materials and pair rules may have changed since
     case Per::Rolling:
-      return s.rolls ? static_cast<std::size_t>(s.counters->rollers) : 0;
+      return s.rolledBefore ? static_cast<std::size_t>(s.counters->rollers) : 0;
     case Per::Vertex:
       return static_cast<std::size_t>(s.vertices);
     case Per::PointOwner:
@@ -241,8 +241,7 @@ void reserve(HostTables& tables, const SavedCounts& counts) {
   tables.reserve(Per::ShapeIndex, counts.shapeIndices);
   tables.reserve(Per::ShapePart, counts.shapeParts);
   tables.reserve(Per::Surface, counts.surfaces);
-  tables.reserve(Per::Rolling,
-                 counts.traits[BodyTrait::Rolls] > 0 ? std::max(counts.activePairs, counts.rollers) : 0);
+  tables.reserve(Per::Rolling, tables.rollingRows(counts.traits, counts.activePairs, counts.rollers));
 }
 }  // namespace
 

@@ -81,14 +81,13 @@ void Batch::configure(int world, const EngineSettings& settings) {
 }
 
 int Batch::surfaceOf(const Material& material) {
-  const auto found = std::ranges::find_if(surfaces_,
-                                          [&](const Material& m) { return sameMaterial(m, material); });
+  const auto found = std::ranges::find(surfaces_, material);
   if (found != surfaces_.end()) return static_cast<int>(found - surfaces_.begin());
   surfaces_.push_back(material);
   return static_cast<int>(surfaces_.size()) - 1;
 }
 
-void Batch::sendSurfaces() {
+void Batch::flushRules() {
   SetSurfaces edit{surfaces_};
   for (int world = 0; world < count(); ++world) {
     WorldReferences& own = slotAt(members_, world).references;
@@ -103,7 +102,9 @@ void Batch::sendSurfaces() {
     }
   }
   sortRules(edit.rules);
-  engine_->apply(edit);
+  if (edit.rules != rules_) engine_->apply(edit);
+  rules_ = std::move(edit.rules);
+  rulesChanged_ = false;
 }
 
 int Batch::placeShape(const AddShape& edit) {
@@ -165,17 +166,17 @@ struct Batch::Translate {
   void operator()(const SetSurfaces& e) const {
     WorldReferences& own = member.references;
     const std::size_t before = batch.surfaces_.size();
-    const bool ruled = !own.rules.empty() || !e.rules.empty();
-    const std::size_t kept = std::min(own.surfaces.size(), e.surfaces.size());
-    const auto first = [kept](const std::vector<Material>& list) { return std::span(list).first(kept); };
-    if (own.surfaces.size() > kept ||
-        !std::ranges::equal(first(own.surfaces), first(e.surfaces), sameMaterial))
-      member.surfaces.clear();
+    const std::size_t kept = own.surfaces.size();
+    const bool extends = kept <= e.surfaces.size() &&
+                         std::ranges::equal(own.surfaces, std::span(e.surfaces).first(kept));
+    if (!extends) member.surfaces.clear();
+    batch.rulesChanged_ |= own.rules != e.rules || (!extends && !e.rules.empty());
+    batch.layoutChanged_ |= !extends || member.surfaces.size() < e.surfaces.size();
     own.surfaces = e.surfaces, own.rules = e.rules;
     for (std::size_t k = member.surfaces.size(); k < e.surfaces.size(); ++k)
       member.surfaces.push_back(batch.surfaceOf(e.surfaces[k]));
-    if (ruled || batch.surfaces_.size() > before) batch.sendSurfaces();
-    batch.layoutChanged_ = true;
+    // bodies need their materials at once
+    if (batch.surfaces_.size() > before) batch.engine_->apply(SetSurfaces{batch.surfaces_, batch.rules_});
   }
   void operator()(SetPlanes e) const {
     member.references.planes = std::move(e.ids);
@@ -271,6 +272,7 @@ void Batch::flushSofts() {
 }
 
 void Batch::flush() {
+  if (rulesChanged_) flushRules();
   if (softsChanged_) flushSofts();
   if (layoutChanged_) {
     std::vector<WorldLayout> layouts;
@@ -360,10 +362,7 @@ void Batch::takeReferences(int world, const WorldSnapshot& snapshot) {
   planesChanged_ |= before.planes != to.planes;
   WorldReferences& now = member.references;
   now.planes = to.planes, now.shapeIndices = to.shapeIndices;
-  if (!std::ranges::equal(before.surfaces, to.surfaces, sameMaterial)) {
-    member.surfaces.clear();
-    translate(SetSurfaces{to.surfaces, to.rules});
-  }
+  if (before.surfaces != to.surfaces) translate(SetSurfaces{to.surfaces, to.rules});
   const auto sameShapes = [](const auto& a, const auto& b) { return a.shape.shape == b.shape.shape; };
   if (!std::ranges::equal(before.shapes, to.shapes, sameShapes)) {
     now.shapes = to.shapes;

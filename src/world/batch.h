@@ -84,8 +84,7 @@ class Batch {
   };
   struct Translate;
   int surfaceOf(const Material& material);
-  /// Sends the materials and pair rules of all worlds.
-  void sendSurfaces();
+  void flushRules();
   int placeShape(const AddShape& edit);
   void flushSofts();
   void takeReferences(int world, const WorldSnapshot& snapshot);
@@ -99,13 +98,14 @@ class Batch {
   std::vector<int> spareBodies_;               ///< of no world
   std::vector<std::vector<int>> spareJoints_;  ///< likewise, by type
   std::vector<Material> surfaces_;
+  std::vector<EngineMaterialRule> rules_;                     ///< those in the tables, of all worlds
   std::map<std::shared_ptr<const CookedShape>, int> shapes_;  ///< offset of their indices
   int shapeIndices_ = 0;
   std::map<int, EngineSettings> settings_;   ///< of worlds, not yet given to the engine
   std::vector<int> firstAxis_, firstJoint_;  ///< [worlds + 1]
   bool rowsChanged_ = true;
   bool wakesAll_ = false;  ///< parameters have changed
-  bool layoutChanged_ = false, softsChanged_ = false, planesChanged_ = false;
+  bool layoutChanged_ = false, softsChanged_ = false, planesChanged_ = false, rulesChanged_ = false;
 };
 
 /// The engine of one world of a batch.

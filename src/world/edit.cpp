@@ -105,7 +105,7 @@ std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies,
   entries.reserve(bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const int base = tables.placeShape(bodies[k].shape, ready[k].cooked);
-    entries.emplace_back(base, tables.surfaceOf(bodies[k].material));
+    entries.emplace_back(base, tables.surfaceOf(bodies[k].material, ready[k].cooked->unit.axes));
   }
   std::vector<Edit> edits = tables.edits();
   std::vector<BodyId> ids;
@@ -160,7 +160,8 @@ void World::Impl::redefine(BodyId id, BodyDef def) {
              stops = def.motion == Motion::Static && before.def.motion != Motion::Static;
 
   TableAdditions tables(registry);
-  const int base = tables.placeShape(def.shape, cooked), surface = tables.surfaceOf(def.material);
+  const int base = tables.placeShape(def.shape, cooked),
+            surface = tables.surfaceOf(def.material, cooked->unit.axes);
   std::vector<Edit> edits = tables.edits();
   addWake(edits, id);
   edits.push_back(SetBody{id.index, engineBody(def, ready, base, surface), true});

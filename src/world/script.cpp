@@ -1,5 +1,6 @@
 /// Scripted events of a scene.
 #include <algorithm>
+#include <limits>
 
 #include "world/world_impl.h"
 
@@ -48,13 +49,14 @@ void World::Impl::setScript(std::vector<Event> events) {
   registry.nextEvent = 0;
 }
 
+std::int64_t World::Impl::stepsToEvent() const {
+  if (!registry.script || registry.nextEvent == static_cast<int>(registry.script->size()))
+    return std::numeric_limits<std::int64_t>::max();
+  return (*registry.script)[static_cast<std::size_t>(registry.nextEvent)].step - registry.step;
+}
+
 void World::runEvents() {
-  const auto due = [&] {
-    const Registry& r = impl_->registry;
-    return r.script && r.nextEvent < static_cast<int>(r.script->size()) &&
-           (*r.script)[static_cast<std::size_t>(r.nextEvent)].step <= r.step;
-  };
-  while (due()) {
+  while (impl_->stepsToEvent() <= 0) {
     const std::shared_ptr<const std::vector<Event>> script = impl_->registry.script;
     // an event that fails is not tried again
     apply(*this, (*script)[static_cast<std::size_t>(impl_->registry.nextEvent++)]);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "cook/cook.h"
 #include "world/table_additions.h"
@@ -15,15 +16,18 @@ bool isPlain(const Material& m) {
          m.oneWay == Vec3{} && m.name.empty();
 }
 
-}  // namespace
-
-bool sameMaterial(const Material& a, const Material& b) {
-  return a.staticFriction == b.staticFriction && a.dynamicFriction == b.dynamicFriction &&
-         a.restitution == b.restitution && a.frictionCombine == b.frictionCombine &&
-         a.restitutionCombine == b.restitutionCombine && a.rollingFriction == b.rollingFriction &&
-         a.torsionalFriction == b.torsionalFriction && a.surfaceVelocity == b.surfaceVelocity &&
-         a.oneWay == b.oneWay && a.name == b.name;
+/// The material with its vectors in the engine frame of a shape. `oneWay` has length 1, or 0.
+Material inEngineFrame(Material m, const Quat& axes) {
+  // scaled first, as squares of tiny components vanish
+  if (const double most = std::max({std::fabs(m.oneWay.x), std::fabs(m.oneWay.y), std::fabs(m.oneWay.z)});
+      most > 0)
+    m.oneWay = normalize(Vec3{m.oneWay.x / most, m.oneWay.y / most, m.oneWay.z / most});
+  if (axes == Quat{}) return m;
+  m.surfaceVelocity = rotateInverse(axes, m.surfaceVelocity), m.oneWay = rotateInverse(axes, m.oneWay);
+  return m;
 }
+
+}  // namespace
 
 bool sameShape(const Shape& a, const Shape& b) {
   if (a.type != b.type || a.halfExtents != b.halfExtents || a.radius != b.radius ||
@@ -34,8 +38,7 @@ bool sameShape(const Shape& a, const Shape& b) {
   const ShapeGeometry &g = *a.geometry, &h = *b.geometry;
   const auto samePart = [](const ShapePartDef& p, const ShapePartDef& q) {
     return sameShape(p.shape, q.shape) && p.position == q.position && p.orientation == q.orientation &&
-           p.density == q.density && p.material.has_value() == q.material.has_value() &&
-           (!p.material || sameMaterial(*p.material, *q.material));
+           p.density == q.density && p.material == q.material;
   };
   const auto sameMass = [](const MassProperties& m, const MassProperties& n) {
     return m.mass == n.mass && m.inertia == n.inertia && m.center == n.center && m.axes == n.axes;
@@ -71,12 +74,12 @@ int TableAdditions::addSurface(const Material& material) {
   return static_cast<int>(registry_.surfaces.size() + surfaces_.size()) - 1;
 }
 
-int TableAdditions::surfaceOf(const Material& material) {
-  if (isPlain(material)) return -1;
+int TableAdditions::surfaceOf(const Material& authored, const Quat& axes) {
+  if (isPlain(authored)) return -1;
+  const Material material = inEngineFrame(authored, axes);
   int first = 0;
   for (const std::vector<Material>* list : {&registry_.surfaces, &std::as_const(surfaces_)}) {
-    const auto found = std::find_if(list->begin(), list->end(),
-                                    [&](const Material& m) { return sameMaterial(m, material); });
+    const auto found = std::ranges::find(*list, material);
     if (found != list->end()) return first + static_cast<int>(found - list->begin());
     first += static_cast<int>(list->size());
   }
@@ -89,7 +92,7 @@ int TableAdditions::placeShape(const Shape& shape, const std::shared_ptr<const C
     if (const CookedEntry* entry = findCooked(*list, shape)) return entry->indexBase;
   std::vector<int>& surfaces = partSurfaces_.emplace_back();
   for (const CookedPart& part : cooked->parts) {
-    int surface = part.material ? surfaceOf(*part.material) : -1;
+    int surface = part.material ? surfaceOf(*part.material, cooked->unit.axes) : -1;
     // a material that overrides that of the body is always in the table
     if (part.material && surface < 0) surface = addSurface(*part.material);
     surfaces.push_back(surface);

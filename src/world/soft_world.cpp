@@ -49,7 +49,7 @@ void World::Impl::requireAlive(AttachmentId id) const {
 int World::Impl::placeMaterial(const Material& material) {
   if (material.name.empty()) return -1;
   TableAdditions tables(registry);
-  const int surface = tables.surfaceOf(material);
+  const int surface = tables.surfaceOf(material, Quat{});
   tables.prepare(registry);
   engine->apply(tables.edits());
   tables.commit(registry);

@@ -9,8 +9,9 @@ class TableAdditions {
  public:
   explicit TableAdditions(const Registry& registry) : registry_(registry) {}
 
-  /// Index into the materials of the engine, or -1 if the material needs no entry.
-  int surfaceOf(const Material& material);
+  /// Index into the materials of the engine, or -1 if the material needs no entry. `axes`: of the engine
+  /// frame in that of the material.
+  int surfaceOf(const Material& authored, const Quat& axes);
   /// Offset of its indices in the tables of the engine. Equal geometry is stored once.
   int placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked);
   std::vector<Edit> edits() const;

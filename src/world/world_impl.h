@@ -105,7 +105,6 @@ void checkScatter(JointArray which, const ArrayView& rows, const ArrayView& valu
 const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape);
 
 bool ofSameMaterials(const MaterialPair& p, const MaterialPair& q);
-bool sameMaterial(const Material& a, const Material& b);
 /// The materials with those rules of which both materials are among them.
 SetSurfaces surfacesEdit(std::vector<Material> surfaces, std::span<const MaterialPair> pairs);
 void sortRules(std::vector<EngineMaterialRule>& rules);
@@ -256,6 +255,8 @@ struct World::Impl {
 
   void build(const Scene& scene);
   void setScript(std::vector<Event> events);
+  /// Steps until the next scripted event is due; not positive: it is.
+  std::int64_t stepsToEvent() const;
   /// After a step that takes part in no other.
   void finishStep(StepReport& report);
   /// Takes over everything of a snapshot but the state of its engine.

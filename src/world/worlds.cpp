@@ -89,7 +89,7 @@ int Worlds::addCopies(const Scene& scene, int count) {
     world->params = impl_->options.params;
     world->engine = std::make_unique<WorldSlice>(batch, batch->addWorld());
     world->doublePrecision = impl_->options.backend == "reference";
-    world->wantsEvents = impl_->options.events;
+    world->wantsEvents = impl_->options.events, world->tasks = impl_->threads.tasks();
     world->cooked = impl_->cooked, world->inBatch = true;
     World::Impl& built = *world;
     impl_->worlds.push_back(World(std::move(world)));
@@ -117,17 +117,21 @@ WorldsReport Worlds::step(int steps, std::span<const char> active) try {
   if (!active.empty() && static_cast<int>(active.size()) != count())
     throw Error("active", "one element per world, " + std::to_string(count()), std::to_string(active.size()));
   WorldsReport report;
-  // worlds with scripted events go step by step
-  const bool scripted = std::ranges::any_of(
-      impl_->worlds, [](const World& w) { return w.impl_->registry.script != nullptr; });
-  const int stride = scripted ? std::min(1, steps) : steps;
-  for (int done = 0; done == 0 || done < steps; done += std::max(1, stride)) {
-    for (int w = 0; scripted && w < count(); ++w)
-      if (active.empty() || active[static_cast<std::size_t>(w)]) (*this)[w].runEvents();
+  int left = steps;
+  do {
+    // up to the next scripted event of a world
+    int stride = left;
+    for (int w = 0; w < count(); ++w) {
+      if (!active.empty() && !active[static_cast<std::size_t>(w)]) continue;
+      (*this)[w].runEvents();
+      stride = static_cast<int>(std::min<std::int64_t>(stride, impl_->at(w).stepsToEvent()));
+    }
     std::vector<WorldsReport> reports(impl_->batches.size());
     impl_->forEachBatch([&](std::size_t k) { reports[k] = impl_->step(k, stride, active); });
+    report = {};
     for (const WorldsReport& each : reports) accumulate(report, each);
-  }
+    left -= stride;
+  } while (left > 0);
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   return report;
 } catch (const std::bad_alloc&) {

@@ -1,5 +1,6 @@
 /// A steady step allocates nothing.
 #include <gtest/gtest.h>
+#include <rubble/worlds.h>
 
 #include "tests/backend/counted_memory.h"
 #include "tests/support/scenes.h"
@@ -40,6 +41,28 @@ TEST(SteadyStep, AllocatesForItsReportOnlyWhenTimed) {
   test::run(world, kSteps);
   // the list of stages: a few growths of one vector
   EXPECT_LE(test::allocations() - before, 8 * kSteps);
+}
+
+TEST(Reset, OfAWorldWithPairRulesLeavesOtherWorldsAlone) {
+  // worlds of one batch
+  const auto allocationsOf = [](int count) {
+    Scene scene = test::tower(1);
+    for (BodyDef& body : scene.bodies) body.material.name = "stone";
+    scene.materialPairs.push_back({"stone", "stone", 0.3, 0.2});
+    Worlds worlds(test::options(4, "cpu", 1));
+    worlds.addCopies(scene, count);
+    worlds.step(3);
+    const Snapshot start = worlds[0].snapshot();
+    const std::vector<int> first{0};
+    worlds.reset(first, {&start, 1});
+    worlds.step(1);
+    const long before = test::allocations();
+    worlds.reset(first, {&start, 1});
+    worlds.step(1);
+    return test::allocations() - before;
+  };
+  // a few lists by world grow by doubling
+  EXPECT_LE(allocationsOf(32), allocationsOf(4) + 24);
 }
 
 TEST(Capacity, GrowsWithTheWorldAndStaysGrown) {

@@ -8,6 +8,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <rubble/worlds.h>
+
+#include "platform/threads.h"
 #include "tests/support/scenes.h"
 
 namespace rubble {
@@ -145,6 +148,38 @@ TEST(TaskSystem, OfTheHostRunsAllLoopsWithTheSameBits) {
     });
   for (std::thread& thread : threads) thread.join();
   for (const std::uint64_t hash : hashes) EXPECT_EQ(hash, reference.hash());
+}
+
+TEST(TaskSystem, SeesNoTaskThrowAndTheCallerSeesTheFirst) {
+  HostTasks host;
+  Threads threads(0, host.system(3));
+  std::atomic<int> done = 0;
+  const auto loop = [&] {
+    forEachTask(std::size_t{12}, [&](std::size_t k) {
+      ++done;
+      if (k % 4 == 2) throw std::runtime_error(std::to_string(k));
+    });
+  };
+  try {
+    threads.run(loop);
+    ADD_FAILURE() << "no exception";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "2");
+  }
+  EXPECT_EQ(done, 12);
+  EXPECT_EQ(host.tasks, 12);
+}
+
+TEST(TaskSystem, RunsTheQueriesOfManyWorlds) {
+  HostTasks host;
+  WorldOptions options = test::options(4);
+  options.tasks = host.system(3);
+  Worlds worlds(options);
+  worlds.add(test::tower(1));
+  worlds.step();
+  const int before = host.loops;
+  EXPECT_EQ(worlds[0].castRays(std::vector<RayQuery>(5000, {{0, 0, 9}, {0, 0, -1}, 20, {}})).size(), 5000u);
+  EXPECT_GT(host.loops, before);
 }
 
 TEST(TaskSystem, IsRefusedWhereItWouldNotBeUsed) {

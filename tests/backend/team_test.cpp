@@ -1,11 +1,13 @@
 /// Threads of builds without oneTBB, and the names of kernels in the signatures of compilers.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <numeric>
 #include <stdexcept>
 
 #include "platform/team.h"
 #include "stages/executor.h"
+#include "tests/backend/counted_memory.h"
 
 namespace rubble {
 namespace {
@@ -69,6 +71,24 @@ TEST(Team, ThrowsAnExceptionOfATaskAndGoesOn) {
   EXPECT_EQ(done, 100);
   team.run(100, [&](std::size_t) { ++done; });
   EXPECT_EQ(done, 200);
+}
+
+TEST(Team, StartsAfterItHadNoMemoryForItsThreads) {
+  Team team(2);
+  std::atomic<int> done{0};
+  {
+    const test::FailingMemory none(0, true);
+    team.run(2, [&](std::size_t) { ++done; });
+  }
+  EXPECT_EQ(done, 2);
+  // each waits for the other, which another thread has to run
+  std::atomic<int> begun{0};
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  team.run(2, [&](std::size_t) {
+    ++begun;
+    while (begun < 2 && std::chrono::steady_clock::now() < limit) std::this_thread::yield();
+  });
+  EXPECT_LT(std::chrono::steady_clock::now(), limit);
 }
 
 TEST(KernelName, IsReadFromSignaturesOfEachCompiler) {

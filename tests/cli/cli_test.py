@@ -201,6 +201,23 @@ class Run(Case):
         done = self.rubble("run", self.falling(), "-q")
         self.assertEqual((done.stdout, done.stderr), ("", ""))
 
+    def test_goes_on_from_a_checkpoint_of_the_same_scene_and_parameters(self):
+        def end(scene, *arguments):
+            self.rubble("run", scene, "-q", "--hash", "--json", self.path("end.json"), *arguments)
+            with open(self.path("end.json"), encoding="utf-8") as file:
+                return json.load(file)["hash"]
+
+        state = self.path("fall.state")
+        scene = self.falling()
+        whole = end(scene, "--steps", "9", "--checkpoint", state, "--every", "5")
+        self.assertEqual(end(scene, "--steps", "9", "--resume", state), whole)
+        self.refused("run", scene, "-q", "--resume", state, "--iterations", "20", says="iterations: expected that of the "
+                     "checkpoint, 4, got 20")
+        self.refused("run", scene, "-q", "--resume", state, "--preset", "paper", says="of the checkpoint")
+        other = self.falling(gravity=[0, 0, -3])
+        self.refused("run", other, "-q", "--resume", state, says="expected a checkpoint of scene ")
+        self.refused("run", other, "-q", "--resume", other, says="expected a checkpoint that")
+
     def test_json_record(self):
         file = self.path("record.json")
         # What the verdict of so small a pile is, this test does not judge.

@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -46,6 +47,25 @@ def faults(value, schema, at="scene"):
     return []
 
 
+def values_of(text):
+    """The values of an example, one after the other; keys without an object around them are one."""
+    text = "{" + text + "}" if text.startswith('"') else text
+    while text.strip(" \n,"):
+        text = text.lstrip(" \n,")
+        value, end = json.JSONDecoder().raw_decode(text)
+        yield value
+        text = text[end:]
+
+
+def as_scene(value):
+    """A scene with an example: its keys, a joint or an event."""
+    if "step" in value:
+        value = {"events": [value]}
+    elif "type" in value:
+        value = {"joints": [value]}
+    return {"bodies": [], **value}
+
+
 class Reference(unittest.TestCase):
     def test_pages_are_up_to_date(self):
         done = subprocess.run([sys.executable, "-B", str(ROOT / "tools/make_reference"), RUBBLE, "--check"],
@@ -60,6 +80,31 @@ class Reference(unittest.TestCase):
         for file in (ROOT / "scenes/files").glob("*.json"):
             self.assertEqual(faults(json.loads(file.read_text(encoding="utf-8")), SCHEMA), [], file.name)
 
+    def test_examples_keep_to_the_schema_and_have_keys_that_the_program_knows(self):
+        page = (ROOT / "docs/scene_format.md").read_text(encoding="utf-8")
+        blocks = re.findall(r"^```json\n(.*?)^```", page, re.S | re.M)
+        self.assertGreater(len(blocks), 4)
+        for block in blocks:
+            for value in values_of(block):
+                scene = as_scene(value)
+                self.assertEqual(faults(scene, SCHEMA), [], value)
+                self.assertNotIn("unknown key", self.checked(scene).stderr)
+
+    def test_keys_of_materials_and_their_pairs_are_in_the_schema(self):
+        scene = {"materials": {"a": {"friction": 0.5, "name": "ice"}},
+                 "material_pairs": [{"a": "ice", "b": "ice", "restitution": 0.5}],
+                 "bodies": [{"shape": {"type": "box", "size": [1, 1, 1]}, "material": {"one_way": [0, 0, 1]}}]}
+        self.assertEqual(self.checked(scene).returncode, 0)
+        self.assertEqual(faults(scene, SCHEMA), [])
+        scene["material_pairs"][0]["colour"] = 1
+        self.assertNotEqual(faults(scene, SCHEMA), [])
+
+    def checked(self, scene):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "scene.json")
+            file.write_text(json.dumps(scene), encoding="utf-8")
+            return subprocess.run([RUBBLE, "check", file], capture_output=True, text=True)
+
     def test_what_the_schema_refuses_the_program_refuses(self):
         box = {"shape": {"type": "box", "size": [1, 1, 1]}}
         wrong = [{}, {"bodies": [{}]}, {"bodies": [{**box, "colour": 1}]},
@@ -70,11 +115,7 @@ class Reference(unittest.TestCase):
                  {"bodies": [{"shape": {"type": "sphere", "size": 1}}]}]
         for scene in wrong:
             self.assertNotEqual(faults(scene, SCHEMA), [], scene)
-            with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
-                json.dump(scene, file)
-                file.flush()
-                done = subprocess.run([RUBBLE, "check", file.name], capture_output=True, text=True)
-            self.assertEqual(done.returncode, 2, scene)
+            self.assertEqual(self.checked(scene).returncode, 2, scene)
 
 
 if __name__ == "__main__":

@@ -130,19 +130,21 @@ TEST(Mjcf, MocapBodiesAreKinematic) {
   EXPECT_EQ(bodyNamed(model, "m").motion, Motion::Kinematic);
 }
 
+/// Do two bodies collide by their filters?
+bool collide(const Import& model, const std::string& first, const std::string& second) {
+  const CollisionFilter &a = bodyNamed(model, first).filter, &b = bodyNamed(model, second).filter;
+  return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
+}
+
 TEST(Mjcf, GeomsCollideByContypeAndConaffinity) {
   const Import model = importText(
       mjcf("<geom name='floor' type='plane' size='1 1 1' contype='1' conaffinity='2'/>"
            "<body name='a'><freejoint/><geom size='1' contype='2' conaffinity='1'/></body>"
            "<body name='b'><freejoint/><geom size='1' contype='2' conaffinity='1'/></body>"
            "<body name='c'><freejoint/><geom size='1' contype='0' conaffinity='0'/></body>"));
-  const auto collide = [&](const char* i, const char* j) {
-    const CollisionFilter &a = bodyNamed(model, i).filter, &b = bodyNamed(model, j).filter;
-    return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
-  };
-  EXPECT_TRUE(collide("a", "floor"));
-  EXPECT_FALSE(collide("a", "b"));
-  EXPECT_FALSE(collide("c", "floor"));
+  EXPECT_TRUE(collide(model, "a", "floor"));
+  EXPECT_FALSE(collide(model, "a", "b"));
+  EXPECT_FALSE(collide(model, "c", "floor"));
 }
 
 TEST(Mjcf, APositionActuatorIsADriveOfItsJoint) {
@@ -300,14 +302,92 @@ TEST(Mjcf, AnExplicitPairCollidesWhateverItsMasksSay) {
                "</body><body name='b' pos='1 0 0'><freejoint/><geom size='.1'" + masks +
                "</body><body name='c' pos='2 0 0'><freejoint/><geom size='.1'/></body>",
            "<contact><pair geom1='floor' geom2='a'/></contact>"));
-  const auto collide = [&](const char* first, const char* second) {
-    const CollisionFilter &a = bodyNamed(model, first).filter, &b = bodyNamed(model, second).filter;
-    return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
-  };
-  EXPECT_TRUE(collide("floor", "a"));
-  EXPECT_FALSE(collide("a", "c"));
-  EXPECT_FALSE(collide("floor", "c"));
+  EXPECT_TRUE(collide(model, "floor", "a"));
+  EXPECT_FALSE(collide(model, "a", "c"));
+  EXPECT_FALSE(collide(model, "floor", "c"));
   EXPECT_EQ(bodyNamed(model, "b").filter.layers, 0u);
+}
+
+TEST(Mjcf, AnExplicitPairOfParentAndChildCollidesIfItIsAllThatWould) {
+  const auto arm = [](const std::string& more) {
+    return importText(mjcf("<body name='a'><freejoint/><geom name='a' size='.1'/>" + more +
+                               "<body name='b' pos='1 0 0'><joint name='j'/><geom name='b' size='.1'/>"
+                               "</body></body>",
+                           "<contact><pair geom1='a' geom2='b'/><exclude body1='a' body2='b'/></contact>"));
+  };
+  const Import exact = arm("");
+  EXPECT_TRUE(jointNamed(exact, "j").collide);
+  EXPECT_TRUE(exact.file.scene.exclusions.empty());
+  EXPECT_TRUE(exact.report.exact()) << convert::textOf(exact.report, true);
+  const Import lost = arm("<geom pos='0.5 0 0' size='.1'/>");
+  EXPECT_FALSE(jointNamed(lost, "j").collide);
+  EXPECT_EQ(lost.file.scene.exclusions.size(), 1u);
+  EXPECT_EQ(effectsOf(lost, "pair"), std::vector{Effect::Lost});
+}
+
+TEST(Mjcf, PairsOfAttachedModelsAreTheirOwn) {
+  const test::ModelFolder folder;
+  const std::string masks = " contype='0' conaffinity='0'/>";
+  std::string bodies, pairs;
+  for (int k = 0; k < 8; ++k) {
+    const std::string own = std::to_string(k);
+    for (const char* side : {"a", "b"})
+      bodies += "<body name='" + (side + own) + "' pos='0 0 " + own + "'><freejoint/><geom name='" +
+                (side + own) + "' size='.1'" + masks + "</body>";
+    pairs += "<pair geom1='a" + own + "' geom2='b" + own + "'/>";
+  }
+  folder.write("part.xml", mjcf(bodies, "<contact>" + pairs + "</contact>"));
+  const auto attached = [&](int copies) {
+    std::string text;
+    for (int k = 0; k < copies; ++k)
+      text += "<attach model='m' prefix='" + std::string(1, static_cast<char>('p' + k)) + "_'/>";
+    return convert::importModel(
+        folder.write("whole.xml", mjcf(text, "<asset><model name='m' file='part.xml'/></asset>")));
+  };
+  const Import two = attached(2);
+  for (const char* copy : {"p_", "q_"}) {
+    EXPECT_TRUE(collide(two, copy + std::string("a0"), copy + std::string("b0")));
+    EXPECT_FALSE(collide(two, "p_a0", copy + std::string("b1")));
+  }
+  EXPECT_FALSE(collide(two, "p_a0", "q_b0"));
+  EXPECT_EQ(attached(9).report.count(Effect::Lost), 8u + 1u);  // of 72, and more than 32 combinations
+}
+
+TEST(Mjcf, TheWorldOfAnAttachedModelBecomesPartOfItsBody) {
+  const test::ModelFolder folder;
+  folder.write(
+      "part.xml",
+      mjcf("<geom name='base' type='box' size='.5 .5 .5' mass='3'/><site name='s' pos='1 0 0'/>"
+           "<camera name='eye' pos='0 4 0' mode='targetbody' target='rod'/>"
+           "<body name='rod' pos='0 0 2'><joint name='j'/><geom size='.1'/><site name='t'/></body>",
+           "<equality><connect name='tie' body1='rod' anchor='0 0 1'/><connect name='knot' site1='s' "
+           "site2='t'/>"
+           "</equality>"
+           "<tendon><spatial name='cord' stiffness='5'><site site='s'/><site site='t'/></spatial></tendon>"));
+  const Import model = convert::importModel(folder.write(
+      "whole.xml", mjcf("<body name='host' pos='0 0 5'><freejoint/><geom size='.1' mass='1'/>"
+                        "<frame pos='1 0 0' euler='0 0 90'><attach model='m' prefix='p_'/></frame></body>",
+                        "<asset><model name='m' file='part.xml'/></asset><tendon><spatial name='own' "
+                        "stiffness='1'><site site='p_s'/><site site='p_t'/></spatial></tendon>")));
+  EXPECT_NEAR(*bodyNamed(model, "host").mass, 4, 1e-12);
+  expectNear(massProperties(bodyNamed(model, "host").shape, 1).center, {0.75, 0, 0});
+  EXPECT_EQ(model.report.count(Effect::Lost), 0u) << convert::textOf(model.report, true);
+  for (const char* name : {"p_cord", "own"}) {
+    const auto path = std::any_cast<TendonFields>(jointNamed(model, name).own).path;
+    ASSERT_EQ(path.size(), 10u);
+    expectNear({path[1], path[2], path[3]}, {1, 1, 0}), expectNear({path[6], path[7], path[8]}, {0, 0, 0});
+  }
+  // the world that the equality names is that of the whole model
+  const JointDef& tie = jointNamed(model, "p_tie");
+  EXPECT_EQ(tie.bodyB, kWorld);
+  expectNear(tie.anchorA, {0, 0, 1}), expectNear(tie.anchorB, {1, 0, 8});
+  const JointDef& knot = jointNamed(model, "p_knot");
+  expectNear(knot.anchorA, {1, 1, 0}), expectNear(knot.anchorB, {0, 0, 0});
+  // its camera stands 4 m beside the axis of the part and looks at the rod, 2 m above
+  const auto& camera = model.file.camera;
+  ASSERT_TRUE(camera);
+  expectNear(camera->eye, {-3, 0, 5}, 1e-9);
+  expectNear(normalize(camera->target - camera->eye), normalize(Vec3{4, 0, 2}), 1e-9);
 }
 
 TEST(Mjcf, AttachedModelsKeepWhatJoinsTheirBodies) {

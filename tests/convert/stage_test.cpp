@@ -197,6 +197,8 @@ TEST(Usd, PackagesAreReadAsFoldersAre) {
   }
   const std::string outer = folder.write("outer.usda", usda("def \"z\" ( references = @model.usdz@ ) { }"));
   expectNear(bodyNamed(convert::importModel(outer), "z").position, {1, 0, 0});
+  const std::string bracketed = folder.write("a.usdz[1]/model.usdz", package);
+  expectNear(bodyNamed(convert::importModel(bracketed), "x").position, {1, 0, 0});
   EXPECT_THROW(convert::importContent(zipped({{"whole.usda", whole}}, 8), "packed"), Error);
   for (std::size_t size = 4; size < package.size(); size += 7)
     EXPECT_THROW(convert::importContent(package.substr(0, size), "torn"), Error);
@@ -222,6 +224,76 @@ TEST(Usd, AnInstancerGivesABodyForEachInstance) {
   EXPECT_THROW(
       import(usda("def PointInstancer \"g\" { rel prototypes = [</none>] int[] protoIndices = [0] }")),
       Error);
+}
+
+TEST(Usd, InstancersThatContainThemselvesAreErrorsAndDeepOnesToo) {
+  const auto instancer = [](const std::string& name, const std::string& target,
+                            const std::string& more = "") {
+    return "def PointInstancer \"" + name + "\" { rel prototypes = <" + target +
+           "> int[] protoIndices = [0, 0] " + more + " }\n";
+  };
+  const auto faultOf = [](const std::string& prims) { return test::messageOf([&] { import(usda(prims)); }); };
+  EXPECT_NE(faultOf("def Xform \"W\" { " + instancer("I", "/W") + " }").find("cycle"), std::string::npos);
+  EXPECT_NE(faultOf(instancer("A", "/B") + instancer("B", "/A")).find("cycle"), std::string::npos);
+  // the other spelling of a path hides the cycle
+  EXPECT_NE(faultOf("def Xform \"W\" { " + instancer("I", "/W/") + " }"), "");
+  std::string chain;
+  for (int k = 0; k < 3000; ++k) chain += instancer("i" + std::to_string(k), "/i" + std::to_string(k + 1));
+  EXPECT_NE(faultOf(chain + ball("i3000")).find("levels"), std::string::npos);
+}
+
+TEST(Usd, InstancesKeepTheirMaterialsAndFilters) {
+  const Import model = import(usda(
+      "def PointInstancer \"grid\" {\nrel prototypes = </grid/hand> int[] protoIndices = [0, 0]\n"
+      "point3f[] positions = [(0, 0, 0), (9, 0, 0)]\ndef Scope \"hand\" {\n"
+      "def Material \"rubber\" ( prepend apiSchemas = [\"PhysicsMaterialAPI\"] ) { "
+      "float physics:dynamicFriction = 0.75 }\n" +
+      ball("palm", "rel material:binding = </grid/hand/rubber>") +
+      ball("finger", at("(0, 0, 1)") + "rel physics:filteredPairs = [</grid/hand/palm>, </none>]") + "} }"));
+  EXPECT_DOUBLE_EQ(bodyNamed(model, "grid/hand_1/palm").material.dynamicFriction, 0.75);
+  EXPECT_EQ(model.file.scene.exclusions, (std::vector<std::pair<int, int>>{{0, 1}, {2, 3}}));
+  EXPECT_EQ(test::effectsOf(model, "filter 'finger'"), (std::vector<Effect>(2, Effect::Lost)));
+}
+
+TEST(Usd, ADistanceJointHangsFromAStaticColliderWhereItStands) {
+  const std::string wall = "def Cube \"wall\" ( prepend apiSchemas = [\"PhysicsCollisionAPI\"] ) { " +
+                           at("(0, 0, 5)") + "}\n";
+  const auto pointsOf = [](const JointDef& joint) {
+    std::vector<Vec3> out;
+    const auto& path = std::any_cast<const TendonFields&>(joint.own).path;
+    for (std::size_t i = 0; i + 3 < path.size(); i += 5)
+      out.push_back({path[i + 1], path[i + 2], path[i + 3]});
+    return out;
+  };
+  const std::string ends =
+      "rel physics:body0 = </wall> rel physics:body1 = </b> "
+      "point3f physics:localPos0 = (0, 0, -1) ";
+  const Import model = import(
+      usda(wall + ball("b", at("(0, 0, 2)")) + "def PhysicsDistanceJoint \"leash\" { " + ends +
+           "float physics:maxDistance = 3 }\ndef PhysicsJoint \"guide\" ( prepend apiSchemas = "
+           "[\"PhysicsLimitAPI:distance\"] ) { " +
+           ends + "float limit:distance:physics:high = 3 float physics:breakForce = 70 }"));
+  for (const char* name : {"leash", "guide/distance"}) {
+    SCOPED_TRACE(name);
+    const std::vector<Vec3> points = pointsOf(jointNamed(model, name));
+    ASSERT_EQ(points.size(), 2u);
+    expectNear(points[0], {0, 0, 0}), expectNear(points[1], {0, 0, 4});
+  }
+  EXPECT_DOUBLE_EQ(jointNamed(model, "guide").breakForce, 70);
+  EXPECT_DOUBLE_EQ(jointNamed(model, "guide/distance").breakForce, 70);
+}
+
+TEST(Usd, GroupsThatMergeKeepWhatEachOfThemIncludes) {
+  const std::string first =
+                        "def PhysicsCollisionGroup \"A\" { string physics:mergeGroup = \"g\" "
+                        "rel collection:colliders:includes = [</a>, </b>] "
+                        "rel physics:filteredGroups = </A> }\n",
+                    second =
+                        "def PhysicsCollisionGroup \"B\" { string physics:mergeGroup = \"g\" "
+                        "rel collection:colliders:includes = [</a>, </c>] "
+                        "rel collection:colliders:excludes = </a> }\n";
+  for (const std::string& groups : {first + second, second + first})
+    EXPECT_EQ(import(usda(ball("a") + ball("b") + ball("c") + groups)).file.scene.exclusions.size(), 3u);
 }
 
 TEST(Usd, GroupsFilterStaticShapesAndMayBeInverted) {

@@ -92,6 +92,47 @@ TEST(Urdf, PackagesAreFoundUpwardOrByOption) {
   EXPECT_EQ(convert::importModel(file, options).file.scene.bodies.size(), 1u);
 }
 
+std::string robotWith(const std::string& kind, const std::string& mesh) {
+  return "<robot name='r'><link name='base'><" + kind + "><geometry><mesh filename='" + mesh +
+         "'/></geometry></" + kind + "></link></robot>";
+}
+
+TEST(Urdf, AMeshThatIsNotThereIsReportedWhereItIsOnlySeen) {
+  EXPECT_EQ(importText(robotWith("visual", "none.stl"), "r.urdf").report.count(Effect::Lost), 0u);
+  EXPECT_EQ(importText(robotWith("visual", "package://none/a.dae"), "r.urdf").report.count(Effect::Lost), 0u);
+  EXPECT_EQ(importText(robotWith("collision", "none.dae"), "r.urdf").report.count(Effect::Lost), 1u);
+  EXPECT_NE(messageOf([] { importText(robotWith("collision", "none.stl"), "r.urdf"); }), "");
+}
+
+#if defined(RUBBLE_HAS_ASSIMP)
+TEST(Urdf, ColladaKeepsTheAxesOfItsFileAndItsUnit) {
+  for (const char* up : {"Y_UP", "Z_UP"}) {
+    SCOPED_TRACE(up);
+    const test::ModelFolder folder;
+    folder.write("a.dae",
+                 "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'><asset>"
+                 "<unit meter='0.01'/><up_axis>" +
+                     std::string(up) +
+                     "</up_axis></asset><library_geometries><geometry id='g'><mesh><source id='p'>"
+                     "<float_array id='f' count='12'>0 0 0 100 0 0 0 200 0 0 0 300</float_array>"
+                     "<technique_common><accessor source='#f' count='4' stride='3'><param name='X' "
+                     "type='float'/><param name='Y' type='float'/><param name='Z' type='float'/></accessor>"
+                     "</technique_common></source><vertices id='v'><input semantic='POSITION' source='#p'/>"
+                     "</vertices><triangles count='4'><input semantic='VERTEX' source='#v' offset='0'/>"
+                     "<p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries>"
+                     "<library_visual_scenes><visual_scene id='s'><node><instance_geometry url='#g'/></node>"
+                     "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#s'/></scene>"
+                     "</COLLADA>");
+    const Import model = convert::importModel(folder.write("r.urdf", robotWith("collision", "a.dae")));
+    ASSERT_EQ(model.file.scene.bodies.size(), 1u) << convert::textOf(model.report, true);
+    Vec3 high;
+    for (const Vec3& x : model.file.scene.bodies[0].shape.geometry->points)
+      for (int k = 0; k < 3; ++k) high[k] = std::max(high[k], x[k]);
+    EXPECT_NEAR(length(high - Vec3{1, 2, 3}), 0, 1e-6) << high.x << " " << high.y << " " << high.z;
+  }
+}
+#endif
+
 TEST(Urdf, XacroHasToBeExpandedFirst) {
   const std::string message = messageOf([] {
     importText("<robot name='r'><xacro:property name='x' value='1'/><link name='base'/></robot>", "r.xacro");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <random>
 
 #include "tests/physics/random_bins.h"
 #include "tests/support/scenes.h"
@@ -187,6 +188,49 @@ TEST(Ranks, TakeSnapshotsOfOneAnother) {
   for (World* world : {&one, &two, &three}) test::run(*world, 10);
   EXPECT_EQ(one.hash(), two.hash());
   EXPECT_EQ(one.hash(), three.hash());
+}
+
+/// Bodies that fly through one-way shelves of many parts, from all sides and along them, below solid roofs:
+/// in a row that ranks divide.
+scenes::Job shelvesJob(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto from = [&](double low, double high) {
+    return std::uniform_real_distribution(low, high)(random);
+  };
+  Material oneWay;
+  oneWay.oneWay = {0, 0, 1};
+  std::vector<ShapePartDef> parts{{Shape::box({2, 1, 0.02}), {0, 0, 2}, {}}};
+  for (int k = 0; k < 8; ++k)
+    parts.push_back({Shape::box({0.25, 1, 0.1}), {0.5 * k - 1.75, 0, -0.1}, {}, oneWay});
+  const Shape shelf = Shape::compound(parts);
+  const Shape dumbbell = Shape::compound(
+      {{Shape::sphere(0.2), {0.4, 0, 0}, {}}, {Shape::box({0.2, 0.1, 0.2}), {-0.4, 0, 0}, {}}});
+  scenes::Job job;
+  job.scene = test::emptyScene();
+  for (int i = 0; i < 8; ++i) {
+    job.scene.bodies.push_back(test::body(shelf, {4.1 * i, 0, 2}));
+    job.scene.bodies.back().motion = Motion::Static;
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 at{4.1 * i + from(-1.5, 1.5), from(-0.8, 0.8), k < 2 ? 2 + from(-2, 1) : from(1.6, 2.1)};
+      job.scene.bodies.push_back(test::body(k == 0 ? dumbbell : Shape::sphere(0.2), at));
+      const Vec3 ways[] = {{10, 0, 60}, {10, 0, 20}, {120, 0, 3}, {120, 0, 3}};
+      for (int axis = 0; axis < 3; ++axis)
+        job.scene.bodies.back().velocity[axis] = from(-1, 1) * ways[k][axis];
+      job.scene.bodies.back().angularVelocity = {from(-9, 9), from(-9, 9), 0};
+    }
+  }
+  job.iterations = 6;
+  return job;
+}
+
+TEST(Ranks, AgreeOnWhatPassesOneWaySurfaces) {
+  // in 65 a body changes its rank while the parts that it has touched no longer make pairs with it
+  for (std::uint64_t seed = 60; seed < 70; ++seed) {
+    const Maker make = [seed] { return shelvesJob(seed); };
+    const WorldOptions options = optionsOf(make());
+    const Course alone(make, options, 24);
+    EXPECT_EQ(alone.differenceOf(make, onRanks(options, 2 + int(seed % 3), 1)), "") << seed;
+  }
 }
 
 TEST(Ranks, OwnAllBodiesAndReportTheirCosts) {

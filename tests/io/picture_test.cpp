@@ -90,6 +90,16 @@ TEST(PictureOfMachines, TeethOfGearsMeshAndKeepOutOfOneAnother) {
   }
 }
 
+TEST(PictureOfMachines, WheelsWithMoreTeethThanCanBeSeenStayPlain) {
+  for (const double ratio : {20., 1e3, 1e18}) {
+    Scene scene = gearPair(.1, .3, 0);
+    scene.joints.back().ratio = ratio;
+    const std::vector<PictureBody> bodies = pictureBodies(World(scene));
+    EXPECT_EQ(bodies[0].shape.type, ShapeType::Mesh);
+    EXPECT_EQ(bodies[1].shape.type, ratio > 100 ? ShapeType::Cylinder : ShapeType::Mesh);
+  }
+}
+
 TEST(PictureOfMachines, StandsAreNoBodies) {
   Scene scene = gearPair(.2, .3, 0);
   scene.bodies.emplace_back().shape = Shape::plane();

@@ -27,7 +27,7 @@ void expectSame(const BodyDef& a, const BodyDef& b) {
   EXPECT_EQ(a.motion, b.motion);
   EXPECT_EQ(a.shape.type, b.shape.type);
   EXPECT_EQ(shapeJson(a.shape), shapeJson(b.shape));
-  EXPECT_EQ(materialKey(a.material), materialKey(b.material));
+  EXPECT_EQ(a.material, b.material);
   const bool isBox = a.shape.type == ShapeType::Box,
              isRound = a.shape.type == ShapeType::Sphere || a.shape.type == ShapeType::Capsule;
   if (isBox) expectSame(a.shape.halfExtents, b.shape.halfExtents);
@@ -98,7 +98,6 @@ void expectSame(const NetDef::Edge& a, const NetDef::Edge& b) {
   expectSame(a.damping, b.damping);
   expectSame(a.restLength, b.restLength);
 }
-void expectSame(const Material& a, const Material& b) { EXPECT_EQ(materialKey(a), materialKey(b)); }
 template <class T> void expectSame(const T& a, const T& b) { EXPECT_EQ(a, b); }
 template <class T> void expectSame(const std::vector<T>& a, const std::vector<T>& b) {
   ASSERT_EQ(a.size(), b.size());
@@ -368,7 +367,7 @@ TEST(SceneJson, KeepsNamesOfMaterialsTheirRulesAndSides) {
   ASSERT_TRUE(faults.empty()) << faults.front().message;
   ASSERT_EQ(read.scene.bodies.size(), file.scene.bodies.size());
   for (std::size_t i = 0; i < file.scene.bodies.size(); ++i)
-    EXPECT_EQ(materialKey(read.scene.bodies[i].material), materialKey(file.scene.bodies[i].material)) << i;
+    EXPECT_EQ(read.scene.bodies[i].material, file.scene.bodies[i].material) << i;
   ASSERT_EQ(read.scene.materialPairs.size(), file.scene.materialPairs.size());
   for (std::size_t i = 0; i < file.scene.materialPairs.size(); ++i) {
     const MaterialPair &a = read.scene.materialPairs[i], &b = file.scene.materialPairs[i];

@@ -324,6 +324,85 @@ TEST(OneWay, DecidesOnceAndKeepsItUntilTheyPart) {
     }
 }
 
+/// Two shapes whose principal axes are not their own: a plate of half thickness 0.05 turned by `turn`, as a
+/// hull and as a part of a compound.
+std::vector<Shape> turnedPlates(const Quat& turn, const Material& material) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.push_back(rotate(turn, Vec3{i & 1 ? 3. : -3., i & 2 ? 2. : -2., i & 4 ? 0.05 : -0.05}));
+  return {Shape::hull(corners),
+          Shape::compound({{Shape::box({3, 2, 0.05}), {}, turn, material},
+                           {Shape::box({0.05, 2, 0.5}), rotate(turn, Vec3{-3, 0, -0.5}), turn, material}})};
+}
+
+TEST(Material, HasItsVectorsInBodyAxesOfEveryShape) {
+  const Quat turn = fromAxisAngle(normalize(Vec3{1, 2, -0.5}), 0.9);
+  Material material = rubbing(0.5, Combine::Average);
+  material.oneWay = rotate(turn, Vec3{0, 0, 1e-25});
+  material.surfaceVelocity = rotate(turn, Vec3{1.5, 0, 0});
+  for (const Shape& plate : turnedPlates(turn, material)) {
+    Scene scene = test::emptyScene();
+    scene.bodies.push_back(test::body(plate, {0, 0, 2}));
+    scene.bodies[0].orientation = conjugate(turn);
+    scene.bodies[0].motion = Motion::Static;
+    scene.bodies[0].material = material;
+    scene.bodies.push_back(test::body(Shape::sphere(0.2), {1, 0, 1.2}));
+    scene.bodies[1].velocity = {0, 0, 7};
+    scene.bodies.push_back(test::body(Shape::box({0.2, 0.2, 0.1}), {-1, 0, 2.16}, 0.5));
+    World world(scene, options(6));
+    test::run(world, 60);
+    EXPECT_GT(world.state(world.bodyAt(1)).position.z, 2.2);
+    const BodyState carried = world.state(world.bodyAt(2));
+    EXPECT_NEAR(carried.position.z, 2.15, 0.01);
+    EXPECT_NEAR(carried.velocity.x, 1.5, 0.01);
+    EXPECT_NEAR(carried.velocity.y, 0, 0.01);
+  }
+}
+
+/// A one-way shelf whose top is at a height of 2 m, with a solid part, in one static body.
+Scene shelfWith(const ShapePartDef& solid) {
+  Scene scene = test::emptyScene();
+  Material holds;
+  holds.oneWay = {0, 0, 1};
+  scene.bodies.push_back(
+      test::body(Shape::compound({{Shape::box({3, 3, 0.05}), {0, 0, 1.95}, {}, holds}, solid}), {}));
+  scene.bodies[0].motion = Motion::Static;
+  return scene;
+}
+
+TEST(OneWay, OfOnePartLeavesOtherPartsSolid) {
+  // a thin roof above the shelf stops what has passed the shelf, in the same step or in a later one
+  for (const Shape& shape : passengers())
+    for (const double speed : {25., 60., 150.})
+      for (const double from : {0.9, 1.3, 1.6, 1.75, 1.9}) {
+        Scene scene = shelfWith({Shape::box({3, 3, 0.02}), {0, 0, 3}, {}});
+        scene.bodies.push_back(test::body(shape, {0.1, 0.2, from}));
+        scene.bodies[1].velocity = {0, 0, speed};
+        World world(scene, options(8));
+        double top = 0;
+        for (int i = 0; i < 12; ++i) {
+          world.step();
+          top = std::max(top, world.state(world.bodyAt(1)).position.z);
+        }
+        EXPECT_GT(top, 2.2) << speed << " from " << from;
+        EXPECT_LT(top, 3) << speed << " from " << from;
+      }
+}
+
+TEST(OneWay, LetsPassWhatTouchesASolidPart) {
+  for (const double speed : {6., 15., 30., 60.})
+    for (int k = 0; k < 6; ++k) {
+      Scene scene = shelfWith({Shape::box({0.1, 3, 4}), {0.3, 0, 0}, {}, rubbing(0, Combine::Minimum)});
+      scene.gravity = {2, 0, 0};
+      scene.bodies.push_back(test::body(Shape::box({0.2, 0.2, 0.2}), {0, 0, 0.6 + 0.11 * k}));
+      scene.bodies[1].velocity = {0, 0, speed};
+      World world(scene, options(8));
+      test::run(world, 30);
+      EXPECT_GT(world.state(world.bodyAt(1)).position.z, 2.3) << speed << " " << k;
+      EXPECT_NEAR(world.state(world.bodyAt(1)).velocity.z, speed, 0.05 * speed) << speed << " " << k;
+    }
+}
+
 TEST(OneWay, HasTheSameBitsOnAllBackends) {
   std::uint64_t hash = 0;
   for (const std::string backend : {"cpu", "lockstep", "distributed"}) {

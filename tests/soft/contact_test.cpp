@@ -234,6 +234,34 @@ TEST(Surfaces, KeepTheirContactsWhenAnotherObjectComesAndGoes) {
   EXPECT_NEAR(lift(), before, .02 * before);
 }
 
+TEST(Surfaces, KeepTheirLoadWhenTheirTrianglesAreListedInAnotherOrder) {
+  // a sheet that rests on a fixed one: the load on the features of both, one step later
+  const auto loadAfter = [](bool changes) {
+    ClothDef floor = sheetAt(0), sheet = sheetAt(4e-3, 6, 0.5);
+    for (std::size_t i = 0; i < floor.vertices.size(); ++i) floor.fixed.push_back(static_cast<int>(i));
+    floor.collideSurface = sheet.collideSurface = true;
+    Scene scene = emptyScene({0, 0, -10});
+    scene.deformables = {floor, sheet};
+    World world(scene, options(4));
+    for (int i = 0; i < 60; ++i) world.step();
+    for (int i = 0; changes && i < 2; ++i) {
+      ClothDef other = std::get<ClothDef>(world.definition(world.deformableAt(i)));
+      std::ranges::reverse(other.triangles);
+      world.setDefinition(world.deformableAt(i), other);
+    }
+    Params params = world.params();
+    params.iterations = 1;
+    world.setParams(params);
+    world.step();
+    double load = 0;
+    for (const VertexContact& c : world.vertexContacts()) load += std::fabs(c.force.z);
+    return load;
+  };
+  const double load = loadAfter(false);
+  EXPECT_GT(load, 0);
+  EXPECT_NEAR(loadAfter(true), load, 0.02 * load);
+}
+
 TEST(Surfaces, ATornSheetLetsThrough) {
   // the hole is where the triangles in the middle are gone
   ClothDef sheet = sheetAt(0, 8, .8);

@@ -2,6 +2,8 @@
 import json
 import pathlib
 import re
+import runpy
+import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -35,6 +37,15 @@ class HowTo(unittest.TestCase):
                 self.assertIn(code, (ROOT / name).read_text(encoding="utf-8"), f"{page.name}: {name}")
         programs = {f"examples/{path.name}" for path in (ROOT / "examples").glob("*.cpp")}
         self.assertLessEqual(programs, shown, "a program that no page shows")
+
+    def test_what_a_program_prints_stands_below_its_tabs(self):
+        sys.path.insert(0, str(ROOT / "tools"))
+        with_tabs = runpy.run_path(str(ROOT / "tools/make_docs"))["with_tabs"]
+        page = with_tabs((ROOT / "docs/tutorial.md").read_text(encoding="utf-8"))
+        for mark, indented in (("part of", True), ("run", True), ("prints", False)):
+            lines = re.findall(rf"^( *)<!-- {mark}\b[^\n]*\n( *)```", page, re.M)
+            self.assertGreater(len(lines), 2, mark)
+            self.assertEqual({bool(blanks) for line in lines for blanks in line}, {indented}, mark)
 
     def test_the_game_is_short(self):
         game = (ROOT / "examples" / "wall_game.cpp").read_text(encoding="utf-8")

@@ -69,6 +69,47 @@ TEST_P(SnapshotOf, BringsBackRemovedBodiesAndForgetsAddedOnes) {
   EXPECT_EQ(hashes(world, 20), first);
 }
 
+TEST_P(SnapshotOf, HasTheRollingThatAPairRuleGives) {
+  Scene scene = test::emptyScene();
+  scene.bodies.push_back(test::ground());
+  for (int i = 0; i < 12; ++i) {
+    scene.bodies.push_back(test::body(Shape::sphere(0.25), {0.6 * i, 0, 0.25}));
+    scene.bodies.back().velocity = {0, 1 + 0.1 * i, 0};
+    scene.bodies.back().material.name = "ball";
+  }
+  scene.bodies[0].material.name = "floor";
+  MaterialPair rule{"ball", "floor"};
+  rule.rollingFriction = 0.02;
+  scene.materialPairs.push_back(rule);
+  World world(scene, options(4, GetParam()));
+  test::run(world, 10);
+  const auto reread = [](const World& from) { return Snapshot::fromBytes(from.snapshot().bytes()); };
+  const Snapshot rolling = reread(world);
+  // a rule that came or went since the last step
+  world.removeMaterialPair("ball", "floor");
+  const Snapshot without = reread(world);
+  const auto slipping = hashes(world, 10);
+  world.setMaterialPair(rule);
+  const Snapshot with = reread(world);
+  const auto again = hashes(world, 10);
+  world.restore(rolling);
+  const auto first = hashes(world, 10);
+  EXPECT_NE(first, slipping);
+  for (const Scene& other : {scene, test::emptyScene()}) {
+    World fresh(other, options(4, GetParam()));
+    const auto continued = [&](const Snapshot& from) {
+      fresh.restore(from);
+      return hashes(fresh, 10);
+    };
+    EXPECT_EQ(continued(without), slipping);
+    EXPECT_EQ(continued(rolling), first);
+    EXPECT_EQ(continued(with), again);
+    fresh.restore(rolling), fresh.removeMaterialPair("ball", "floor");
+    EXPECT_EQ(continued(rolling), first);
+    EXPECT_EQ(fresh.firstDifference(), "");
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, SnapshotOf, ::testing::Values("cpu", "reference", "lockstep"),
                          [](const auto& info) { return std::string(info.param); });
 

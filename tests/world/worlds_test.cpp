@@ -52,6 +52,41 @@ TEST(Worlds, AThousandResetsTouchNoOtherWorld) {
 TEST(Worlds, EditsOfOneWorldAreThoseOfAWorldAlone) { test::expectEditsAlone({300}, worldsOptions()); }
 
 /// Both engines of a pair find the same after each kernel, with masks and resets.
+TEST(Worlds, WithScriptsHaveTheReportOfTheLastStep) {
+  Worlds plain(worldsOptions("cpu", 2)), scripted(worldsOptions("cpu", 2));
+  for (int w = 0; w < 40; ++w) {
+    Scene scene = test::tower(2);
+    plain.add(scene);
+    // events that change nothing, in two batches
+    for (const int step : {2, 5, 6, 300}) scene.events.emplace_back().step = step + w % 2;
+    scripted.add(w % 3 == 0 ? scene : test::tower(2));
+  }
+  std::vector<char> active(40, 1);
+  active[3] = active[26] = 0;
+  for (const int steps : {4, 0, 1, 9}) {
+    const WorldsReport expected = plain.step(steps, active), report = scripted.step(steps, active);
+    EXPECT_EQ(report.bodies, expected.bodies);
+    EXPECT_EQ(report.pairs, expected.pairs);
+    EXPECT_EQ(report.contacts, expected.contacts);
+    EXPECT_EQ(report.colors, expected.colors);
+    for (const int w : {0, 3, 13, 33, 39}) {
+      EXPECT_EQ(scripted[w].stepCount(), plain[w].stepCount());
+      EXPECT_EQ(test::stateOf(scripted[w]), test::stateOf(plain[w]));
+    }
+  }
+  // and one that does something takes place before its step
+  Scene scene = test::tower(2);
+  scene.bodies[1].name = "first";
+  Event kick;
+  kick.step = 3, kick.setVelocity = {{"first", {0, 0, 9}, {}}};
+  scene.events = {kick};
+  World alone(scene, worldsOptions());
+  const int w = plain.add(scene);
+  plain.step(8);
+  test::run(alone, 8);
+  EXPECT_EQ(test::stateOf(plain[w]), test::stateOf(alone));
+}
+
 TEST(Worlds, AgreeInLockstep) {
   Worlds worlds(worldsOptions("lockstep"));
   const RandomWorlds random{400, 5};

@@ -73,7 +73,7 @@ SnapshotSizes sizesOf(const HostTables& tables, int pairs, int activePairs, int 
   sizes.shapeParts = tables.shapeParts, sizes.surfaces = s.surfaces;
   sizes.traits = tables.traits(), sizes.rolledBefore = s.rolledBefore;
   sizes.oneWay = s.oneWay;
-  sizes.rollers = s.rolls || s.rolledBefore ? s.counters->rollers : 0;
+  sizes.rollers = s.rolledBefore ? s.counters->rollers : 0;
   std::copy(std::begin(s.joints), std::end(s.joints), sizes.joints);
   sizes.bodyIds = tables.bodyIds;
   std::copy(std::begin(tables.jointIds), std::end(tables.jointIds), sizes.jointIds);
@@ -95,8 +95,7 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   tables.reserve(Per::ShapeIndex, sizes.shapeIndices);
   tables.reserve(Per::ShapePart, sizes.shapeParts);
   tables.reserve(Per::Surface, sizes.surfaces);
-  tables.reserve(Per::Rolling,
-                 sizes.traits[BodyTrait::Rolls] > 0 ? std::max(sizes.activePairs, sizes.rollers) : 0);
+  tables.reserve(Per::Rolling, tables.rollingRows(sizes.traits, sizes.activePairs, sizes.rollers));
   SolverData& s = tables.view();
   tables.shapeVectors = sizes.shapeVectors, tables.shapeIndices = sizes.shapeIndices,
   tables.shapeParts = sizes.shapeParts, s.surfaces = sizes.surfaces;

@@ -112,7 +112,7 @@ int Mirror::liveCount(Per per) const {
     case Per::MaterialRule:
       return s.materialRules;
     case Per::Rolling:
-      return s.rolls || s.rolledBefore ? s.counters->rollers : 0;
+      return s.rolledBefore ? s.counters->rollers : 0;
     case Per::Exclusion:
       return s.exclusions;
     case Per::Vertex:

@@ -174,9 +174,8 @@ void Mirror::restore(const DeviceSnapshot& snapshot) {
   stepper_.tables().reserve(Per::Pair, snapshot.sizes.pairs);
   stepper_.tables().reserve(Per::ActivePair, snapshot.sizes.activePairs);
   stepper_.tables().reserve(Per::Manifold, snapshot.sizes.manifolds);
-  stepper_.tables().reserve(Per::Rolling, snapshot.sizes.traits[BodyTrait::Rolls] > 0
-                                              ? std::max(snapshot.sizes.activePairs, snapshot.sizes.rollers)
-                                              : 0);
+  stepper_.tables().reserve(Per::Rolling, host_.rollingRows(snapshot.sizes.traits, snapshot.sizes.activePairs,
+                                                            snapshot.sizes.rollers));
   snapshot.put(stepper_.tables().view(), stepper_.stream());
   allWritten();
   authored_ = snapshot.authored;

@@ -191,10 +191,20 @@ void RankDivision::classifyJoints() {
 void RankDivision::migrate() {
   const SolverData& s = data();
   std::vector<RankLists> needs(1 + kTypes, RankLists(static_cast<std::size_t>(ranks())));
-  for (const int k : pairs_.index) {
-    const int old = findOldPair(s, s.pair[k]);
-    if (old < 0 || pairNearBefore_[std::size_t(old)]) continue;
+  const auto need = [&](int old) {
+    if (old < 0 || pairNearBefore_[std::size_t(old)]) return;
     needs[0][std::size_t(pairOwnerBefore_[std::size_t(old)])].push_back(old);
+  };
+  for (const int k : pairs_.index) {
+    const Pair& p = s.pair[k];
+    if (!s.oneWay) {
+      need(findOldPair(s, p));
+      continue;
+    }
+    // one-way surfaces also read the contacts of parts that no longer make a pair
+    if (k > 0 && sameBodies(s.pair[k - 1], p)) continue;
+    for (int old = s.oldPairOffset[p.owner]; old < s.oldPairOffset[p.owner + 1]; ++old)
+      if (s.oldPair[old].other == p.other) need(old);
   }
   for (int type = 0; type < kTypes; ++type) {
     const JointParts& joints = joints_[type];

@@ -116,8 +116,7 @@ RUBBLE_HD inline bool stopsAtImpact(const SolverData& s, int body, int other) {
 
 /// May the pair cause a CCD stop?
 RUBBLE_HD inline bool mayImpact(const SolverData& s, const OrderedPair& o) {
-  return (s.fast[o.a] || s.fast[o.b]) && !isSensor(s, o.a) && !isSensor(s, o.b) &&
-         !(s.oneWay && arePassing(s, o.a, o.b));
+  return (s.fast[o.a] || s.fast[o.b]) && !isSensor(s, o.a) && !isSensor(s, o.b);
 }
 
 /// Upper bound of the approach of any two points of the bodies [m].

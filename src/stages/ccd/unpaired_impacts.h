@@ -98,7 +98,6 @@ struct FindUnpairedImpacts {
         s, i, motion,
         [&](int other) {
           if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
-          if (s.oneWay && arePassing(s, i, other)) return;
           // primitive bodies whose boxes touched have a pair; parts of others may be too far apart for one
           if (isPrimitivePair(s, i, other) && boundsTouch(s.bounds[i], s.bounds[other])) return;
           const double fraction = timeOfImpactWithBody(s, i, other);

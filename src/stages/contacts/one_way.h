@@ -27,16 +27,18 @@ struct OneWays {
     return dot(ofA, v) > Real(0) || dot(ofB, v) < Real(0);
   }
 };
-RUBBLE_HD inline OneWays oneWaysOf(const SolverData& s, const Pair& pair, const OrderedPair& o) {
-  const PairParts parts = partsOf(s, pair, o);
+RUBBLE_HD inline OneWays oneWaysOf(const SolverData& s, const OrderedPair& o, const PairParts& parts) {
   return {oneWayOf(s, o.a, parts.ofA), oneWayOf(s, o.b, parts.ofB)};
+}
+RUBBLE_HD inline OneWays oneWaysOf(const SolverData& s, const Pair& pair, const OrderedPair& o) {
+  return oneWaysOf(s, o, partsOf(s, pair, o));
 }
 
 RUBBLE_HD inline bool sameBodies(const Pair& p, const Pair& q) {
   return p.owner == q.owner && p.other == q.other;
 }
 
-/// The contacts of two bodies in this step and the last.
+/// The contacts of the one-way surfaces of two bodies in this step and the last.
 struct OneWayState {
   bool oneWay = false;                 ///< one of them has a one-way surface there
   bool touches = false;                ///< a point is closer than kTouchGap
@@ -49,7 +51,7 @@ struct OneWayState {
   }
 };
 
-/// Decides for all manifolds of two bodies, at the first one.
+/// Decides for all manifolds of one-way surfaces of two bodies, at their first manifold.
 struct DecideOneWay {
   static constexpr const char* kStage = "one-way";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -75,7 +77,7 @@ struct DecideOneWay {
     if (!state.oneWay) return;
     for (int k = s.oldPairOffset[p.owner]; k < s.oldPairOffset[p.owner + 1]; ++k) {
       const int old = s.oldPair[k].other == p.other ? manifoldOfOld(s, k) : -1;
-      if (old < 0 || s.oldManifold[old].count == 0) continue;
+      if (old < 0 || s.oldManifold[old].count == 0 || !oneWaysOf(s, s.oldPair[k], o).any()) continue;
       state.known = true;
       state.passed = state.passed || s.oldManifold[old].passes;
     }
@@ -97,7 +99,7 @@ struct DecideOneWay {
   }
 };
 
-/// Does one of the bodies pass the other in this step?
+/// Does one of the bodies pass a one-way surface of the other in this step?
 RUBBLE_HD inline bool arePassing(const SolverData& s, int a, int b) {
   for (int side = 0; side < 2; ++side) {
     const int owner = side == 0 ? a : b, other = side == 0 ? b : a;
@@ -108,11 +110,11 @@ RUBBLE_HD inline bool arePassing(const SolverData& s, int a, int b) {
   return false;
 }
 
-/// Does an impact at normal n, from A to B, stop two bodies without rows?
+/// Does an impact of two parts without rows at normal n, from A to B, stop their bodies?
 RUBBLE_HD inline bool stopsOneWay(const SolverData& s, const OrderedPair& o, const PairParts& parts,
                                   const Vec3d& n) {
-  const OneWays ways{oneWayOf(s, o.a, parts.ofA), oneWayOf(s, o.b, parts.ofB)};
-  return !ways.any() || ways.hold(Vec3(n));
+  const OneWays ways = oneWaysOf(s, o, parts);
+  return !ways.any() || (ways.hold(Vec3(n)) && !arePassing(s, o.a, o.b));
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -145,7 +145,7 @@ struct MoveManifolds {
     if (!s.isActive[i]) return;
     const int from = s.manifoldBefore[i], to = s.activePairOffset[i];
     s.manifold[to] = s.oldManifold[from];
-    if (s.rolls) s.rolling[to] = s.oldRolling[from];
+    if (s.rolledBefore) s.rolling[to] = s.oldRolling[from];
   }
 };
 
