@@ -99,6 +99,7 @@ Json recordJson(const RunRecord& record) {
             {"verdict", verdictJson(record)},
             {"machine", record.machine},
             {"date", record.date}};
+  if (record.gpus > 0) json["gpus"] = record.gpus;
   if (record.series)
     json["series"] = {
         {"time_s", record.series->time},      {"step_ms", record.series->stepMs},

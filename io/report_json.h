@@ -44,6 +44,7 @@ struct RunRecord {
   std::string backend;
   std::string device;
   int threads = 0;
+  int gpus = 0;  ///< that step the world together; 0: one, or none
   std::string commit;
   int bodies = 0, manifolds = 0, contacts = 0, colors = 0;  ///< at the end of the settled phase
   int clashes = 0;                                          ///< of the worst step

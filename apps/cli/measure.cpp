@@ -142,6 +142,7 @@ io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, in
   record.backend = prepared.world.backend;
   record.device = processorName();
   record.threads = threadCount(prepared.world.threads);
+  record.gpus = static_cast<int>(prepared.world.ranks.devices.size());
   record.commit = buildInfo().commit;
   record.iterations = prepared.world.params.iterations;
   record.substeps = prepared.world.params.substeps;

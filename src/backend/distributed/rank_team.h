@@ -49,7 +49,10 @@ class RankTeam final : public Engine {
     each([&](Engine& e) { e.configure(settings); });
   }
   void apply(std::span<const Edit> edits) override {
-    each([&](Engine& e) { e.apply(edits); });
+    // waking the other threads takes longer than a few edits
+    constexpr std::size_t kFew = 256;
+    const auto apply = [&](Engine& e) { e.apply(edits); };
+    edits.size() < kFew ? each(apply) : together(apply);
     edited_ = true;
   }
   void step(StepReport& report) override;
