@@ -211,8 +211,8 @@ class Run(Case):
         scene = self.falling()
         whole = end(scene, "--steps", "9", "--checkpoint", state, "--every", "5")
         self.assertEqual(end(scene, "--steps", "9", "--resume", state), whole)
-        self.refused("run", scene, "-q", "--resume", state, "--iterations", "20", says="iterations: expected that of the "
-                     "checkpoint, 4, got 20")
+        self.refused("run", scene, "-q", "--resume", state, "--iterations", "20",
+                     says="iterations: expected that of the checkpoint, 4, got 20")
         self.refused("run", scene, "-q", "--resume", state, "--preset", "paper", says="of the checkpoint")
         other = self.falling(gravity=[0, 0, -3])
         self.refused("run", other, "-q", "--resume", state, says="expected a checkpoint of scene ")

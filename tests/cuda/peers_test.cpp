@@ -1,5 +1,5 @@
-// Several GPUs of this process that step one world: the bits of one GPU, at any number of them. Where there are
-// fewer GPUs than ranks, some have several.
+// Several GPUs of this process that step one world: the bits of one GPU, at any number of them. Where there
+// are fewer GPUs than ranks, some have several.
 #include <cuda_runtime_api.h>
 
 #include <algorithm>

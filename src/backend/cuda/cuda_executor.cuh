@@ -428,8 +428,8 @@ class CudaExecutor : private ScanLauncher {
     peers_->share(Share::SliceSums, level);
     if (!begins()) return;
     launchNext(passSumsOn<kTile>, {blocksForRange(kTile), kThreads}, SumSlice<Real>::kStage, view(), tree(),
-               Count{0, peers_->countOf(PeerList::MixedSlices), peers_->elements(PeerList::MixedSlices)}, level,
-               softOnly, Gate{control_});
+               Count{0, peers_->countOf(PeerList::MixedSlices), peers_->elements(PeerList::MixedSlices)},
+               level, softOnly, Gate{control_});
   }
   /// The bodies of high degree that this device solves.
   void keepOwnHighDegree() {

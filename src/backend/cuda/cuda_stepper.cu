@@ -158,8 +158,7 @@ struct CudaStepper::Impl {
       stream.wait();
       return direct;
     }
-    if (!holds)
-      graph.capture(now, stream.get(), [&](Timeline& timeline) { enqueue(0, &timeline, true); });
+    if (!holds) graph.capture(now, stream.get(), [&](Timeline& timeline) { enqueue(0, &timeline, true); });
     graph.launch(stream.get());
     stream.wait();
     return graph.timeline();

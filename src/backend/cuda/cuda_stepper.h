@@ -39,7 +39,8 @@ class CudaStepper {
 
   /// Divides steps among the GPUs of the ranks of a transport, which must outlive the stepper.
   void divide(Transport& transport, const RankOptions& options);
-  /// All ranks get the state of all pairs and joints. `host`: sizes. Returns whether it was not there already.
+  /// All ranks get the state of all pairs and joints. `host`: sizes. Returns whether it was not there
+  /// already.
   bool gatherState(const SolverData& host);
   /// The tables were replaced or sorted. All ranks have the whole state.
   void restart();

@@ -27,8 +27,8 @@ __device__ inline void callNext() {
   cudaTriggerProgrammaticLaunchCompletion();
 #endif
 }
-/// With programmatic dependent launch (CudaExecutor::launchNext) a kernel may have started early. It waits here
-/// until the previous one has ended and its writes are visible.
+/// With programmatic dependent launch (CudaExecutor::launchNext) a kernel may have started early. It waits
+/// here until the previous one has ended and its writes are visible.
 __device__ inline void awaitEnd() {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();

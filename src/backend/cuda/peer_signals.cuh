@@ -16,8 +16,8 @@ struct PeerSignals {
   unsigned long long limit;  ///< longest wait [ns]
   bool shared;               ///< some GPU has several ranks
 
-  /// As awaitPrevious(). On a GPU with several ranks the next kernel does not start: its blocks could keep those
-  /// from running that this one waits for.
+  /// As awaitPrevious(). On a GPU with several ranks the next kernel does not start: its blocks could keep
+  /// those from running that this one waits for.
   __device__ void awaitPrevious() const {
     awaitEnd();
     if (!shared) callNext();

@@ -69,7 +69,8 @@ struct PeerData {
   int* seenBy = nullptr;         ///< [bodies] of own bodies: bit r: rank r sees it
   int* sliceOwner = nullptr;     ///< [slices]
   std::uint8_t* sees = nullptr;  ///< [aggregates] 1: it moves a body that this rank sees
-  /// [aggregates] 1: other ranks have a slice of it or see a body that it moves. Sums of all others stay here.
+  /// [aggregates] 1: other ranks have a slice of it or see a body that it moves. Sums of all others stay
+  /// here.
   std::uint8_t* mixed = nullptr;
   std::uint8_t* extraRow = nullptr;                  ///< [rows] 1: evaluated for a slice alone
   std::uint8_t* extraJoint[JointTypes::kSize] = {};  ///< [joints] the same

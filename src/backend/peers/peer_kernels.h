@@ -146,8 +146,8 @@ struct FindSeers : PeerKernel {
     p.seenBy[i] = seers;
   }
 };
-/// Aggregates that move a body that this rank sees, and those that are not of this rank alone. Those with soft
-/// nodes move everywhere.
+/// Aggregates that move a body that this rank sees, and those that are not of this rank alone. Those with
+/// soft nodes move everywhere.
 struct BeginAggregateSight : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     p.sees[i] = p.mixed[i] = s.aggregate[i].soft != 0;

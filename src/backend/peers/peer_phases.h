@@ -26,8 +26,8 @@ template <class M, class F> void eachJointType(M& m, F&& f) {
   });
 }
 
-/// Begins a step. Stores old manifolds and joints, which the stages before do not read. A rank may still be at
-/// the edits before the step, so a barrier precedes.
+/// Begins a step. Stores old manifolds and joints, which the stages before do not read. A rank may still be
+/// at the edits before the step, so a barrier precedes.
 template <class M> void beginStep(M& m) {
   const SolverData& s = m.tables();
   const PeerData p = m.data();
