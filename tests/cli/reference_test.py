@@ -93,7 +93,8 @@ class Reference(unittest.TestCase):
     def test_keys_of_materials_and_their_pairs_are_in_the_schema(self):
         scene = {"materials": {"a": {"friction": 0.5, "name": "ice"}},
                  "material_pairs": [{"a": "ice", "b": "ice", "restitution": 0.5}],
-                 "bodies": [{"shape": {"type": "box", "size": [1, 1, 1]}, "material": {"one_way": [0, 0, 1]}}]}
+                 "bodies": [{"shape": {"type": "box", "size": [1, 1, 1]},
+                             "material": {"one_way": [0, 0, 1]}}]}
         self.assertEqual(self.checked(scene).returncode, 0)
         self.assertEqual(faults(scene, SCHEMA), [])
         scene["material_pairs"][0]["colour"] = 1

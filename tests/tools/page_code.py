@@ -67,8 +67,8 @@ def compile_blocks(compiler):
             pathlib.Path(folder, name).write_text(content, encoding="utf-8")
         source = pathlib.Path(folder, "pages.cpp")
         source.write_text(text, encoding="utf-8")
-        done = subprocess.run([compiler, "-std=c++20", "-fsyntax-only", f"-I{ROOT / 'include'}", f"-I{folder}",
-                               str(source)], capture_output=True, text=True)
+        done = subprocess.run([compiler, "-std=c++20", "-fsyntax-only", f"-I{ROOT / 'include'}",
+                               f"-I{folder}", str(source)], capture_output=True, text=True)
     if done.returncode:
         sys.exit("C++ on pages does not compile:\n" + done.stderr)
     return len(functions)
