@@ -46,7 +46,9 @@ if(rubble_cuda)
   enable_language(CUDA)
   find_package(CUDAToolkit REQUIRED)
   # Kernels of one file compile side by side.
-  if(CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12.8)
+  include(CheckCompilerFlag)
+  check_compiler_flag(CUDA --split-compile=0 RUBBLE_NVCC_SPLITS)
+  if(RUBBLE_NVCC_SPLITS)
     add_compile_options("$<$<COMPILE_LANGUAGE:CUDA>:--split-compile=0>")
   endif()
   if(NOT DEFINED CMAKE_CUDA20_STANDARD_COMPILE_OPTION)  # CMake 3.25 does not know that nvcc takes C++20

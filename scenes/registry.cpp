@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "build.h"
+#include "cook/checks.h"
 #include "cook/names.h"
 #include "families.h"
 #include "probes.h"
@@ -12,11 +12,7 @@
 namespace rubble::scenes {
 namespace {
 
-std::string text(double number) {
-  std::ostringstream out;
-  out << number;
-  return out.str();
-}
+using checks::text;
 
 /// "one of a, b, c" of those names that are like `name`; if none is, of all of them or, of many, where they
 /// are listed.

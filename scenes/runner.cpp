@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
+#include "cook/checks.h"
 #include "registry.h"
 
 namespace rubble::scenes {
@@ -17,12 +17,6 @@ Job inStepsOf(double dt, Job job) {
   for (Event& event : job.scene.events) event.step = scaled(event.step);
   job.dt = dt;
   return job;
-}
-
-std::string textOf(double number) {
-  std::ostringstream out;
-  out << number;
-  return out.str();
 }
 
 }  // namespace
@@ -56,7 +50,8 @@ void Runner::resume(const Snapshot& checkpoint) {
   const Params& its = world_.params();
   for (const ParamField& field : paramFields())
     if (const double a = field.get(own), b = field.get(its); a != b)
-      throw Error(std::string("params.") + field.name, "that of the checkpoint, " + textOf(b), textOf(a));
+      throw Error(std::string("params.") + field.name, "that of the checkpoint, " + checks::text(b),
+                  checks::text(a));
   if (own != its) throw Error("params", "the preset and policies of the checkpoint", "others");
 }
 

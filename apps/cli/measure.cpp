@@ -135,12 +135,23 @@ std::vector<std::pair<std::string, io::PhaseTimes>> stageTimes(const std::vector
   return times;
 }
 
+namespace {
+
+/// What steps the world: a processor, or GPUs by name.
+std::string deviceOf(const WorldOptions& options) {
+  if (options.backend != "cuda" && options.ranks.devices.empty()) return processorName();
+  const std::string status = cudaStatus();  // "on: name, ..."
+  return status.substr(status.find(' ') + 1);
+}
+
+}  // namespace
+
 io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, int smashStep,
                          const scenes::RunResult& result, const Quality& quality) {
   io::RunRecord record;
   record.scene = prepared.title;
   record.backend = prepared.world.backend;
-  record.device = processorName();
+  record.device = deviceOf(prepared.world);
   record.threads = threadCount(prepared.world.threads);
   record.gpus = static_cast<int>(prepared.world.ranks.devices.size());
   record.commit = buildInfo().commit;

@@ -1,10 +1,10 @@
 #include <rubble/error.h>
 #include <rubble/params.h>
 
+#include "cook/checks.h"
 #include "cook/names.h"
 
 #include <cmath>
-#include <sstream>
 
 namespace rubble {
 
@@ -139,11 +139,7 @@ const std::vector<RangedField>& ranges() {
   return fields;
 }
 
-std::string text(double a) {
-  std::ostringstream out;
-  out << a;
-  return out.str();
-}
+using checks::text;
 
 void check(const RangedField& f, double value) {
   if (!(value >= f.min && value <= f.max))

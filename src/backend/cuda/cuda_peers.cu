@@ -26,7 +26,6 @@ class KeptBuffer {
   KeptBuffer& operator=(const KeptBuffer&) = delete;
   template <class T> void reserve(std::size_t count, T*& to) {
     if (const std::size_t bytes = count * sizeof(T); bytes > bytes_) {
-      checkCuda(cudaDeviceSynchronize(), "wait for the device");
       void* const fresh = DeviceMemory::allocate(bytes);
       if (data_) DeviceMemory::copy(fresh, data_, bytes_);
       DeviceMemory::release(data_);
@@ -62,7 +61,7 @@ struct CloseOtherTrees : PeerKernel {
 /// ShareColor for the own bodies of a color, and for all own bodies of high degree that have it.
 struct ShareColorAndHighDegree : PeerKernel {
   int color;
-  const int* highDegree;  ///< number, then bodies; may be null
+  const int* highDegree;  ///< number, then bodies
   __device__ void operator()(const SolverData& s, int k) const {
     const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
     if (k < count) return sharePose(s, p, s.colorBody[begin + k]);
@@ -78,14 +77,14 @@ __global__ void __launch_bounds__(kThreads)
   if (control->stop != 0 || push.color >= s.counters->colors) return;
   const int n = s.colorOffset[push.color + 1] - s.colorOffset[push.color] + *push.highDegree;
   runStrided(s, push, n, [](int k) { return k; });
-  __threadfence_system();
-  __shared__ bool last;
-  __syncthreads();
-  if (threadIdx.x == 0) last = atomicAdd(signals.arrived, 1u) + 1 == gridDim.x;
-  __syncthreads();
-  if (!last) return;
-  __threadfence_system();
-  meetPeers(signals, control);
+  meetAfterStores(signals, control);
+}
+
+/// The barrier after other kernels, unless `condition` points to zero.
+__global__ void __launch_bounds__(kMostPeers)
+    meetAll(PeerSignals signals, const int* condition, Control* control) {
+  signals.awaitPrevious();
+  if (control->stop == 0 && (!condition || *condition != 0)) meetPeers(signals, control);
 }
 
 /// Each color has a launch of its own: between two there is an exchange.
@@ -211,9 +210,13 @@ void CudaPeers::reserve() {
 
 std::size_t CudaPeers::bytes() const {
   const Impl& m = *impl_;
-  std::size_t sum = m.scratch.size() + m.flags.size() + m.seen.size() + 3 * m.owner.size() +
-                    m.extraRow.size();
-  for (const KeptBuffer& list : m.lists) sum += list.size();
+  std::size_t sum = m.scratch.size();
+  for (const KeptBuffer* const each :
+       {&m.cut, &m.owner, &m.ownerBefore, &m.moves, &m.movesBefore, &m.seen, &m.seenBy, &m.sliceOwner,
+        &m.sees, &m.mixed, &m.extraRow, &m.sums, &m.listed, &m.at, &m.flags, &m.signals})
+    sum += each->size();
+  for (const KeptBuffer& each : m.extraJoint) sum += each.size();
+  for (const KeptBuffer& each : m.lists) sum += each.size();
   return sum;
 }
 
@@ -327,20 +330,13 @@ template <class Test> void CudaPeers::select(PeerList list, const Test& test, in
             "selection");
   launcher.afterKernel_ = false;
 }
-void CudaPeers::barrier() {
+void CudaPeers::barrier() { meetIf(nullptr); }
+void CudaPeers::barrierIf(int Counters::*counter) { meetIf(launcher_->counter(counter)); }
+void CudaPeers::meetIf(const int* condition) {
   KernelLauncher& launcher = *launcher_;
   if (!launcher.begins()) return;
   launcher.enterStage("ranks");
-  launcher.launchNext(storeAndMeet<StoreNothing>, {1, kThreads}, "ranks", tables(), StoreNothing{},
-                      Count{0, nullptr}, impl_->signal, static_cast<const int*>(nullptr), launcher.control_);
-}
-void CudaPeers::barrierIf(int Counters::*counter) {
-  KernelLauncher& launcher = *launcher_;
-  if (!launcher.begins()) return;
-  launcher.enterStage("ranks");
-  launcher.launchNext(storeAndMeet<StoreNothing>, {1, kThreads}, "ranks", tables(), StoreNothing{},
-                      Count{0, nullptr}, impl_->signal, static_cast<const int*>(launcher.counter(counter)),
-                      launcher.control_);
+  launcher.launchNext(meetAll, {1, kMostPeers}, "ranks", impl_->signal, condition, launcher.control_);
 }
 
 void CudaPeers::plan() {
@@ -367,44 +363,17 @@ void CudaPeers::shareColor(int color, const int* highDegree, int blocks) {
 }
 
 void CudaPeers::share(Share what, int which) {
-  switch (what) {
-    case Share::None:
-    case Share::ColorPoses:
-      return;
-    case Share::Owners:
-      return peers::beginStep(*this);
-    case Share::Activity:
-      return peers::shareActivity(*this);
-    case Share::Touches:
-      return peers::shareTouches(*this);
-    case Share::Rows:
-      return peers::shareRows(*this);
-    case Share::NodePoses:  // all that see a body have its pose
-      if (!std::exchange(summed_, tables().plan.coarseCorrection)) peers::beginSums(*this);
-      return;
-    case Share::SliceSums:
-      return peers::shareSums(*this, which);
-    case Share::TreePoses:
-      return peers::shareTreePoses(*this);
-    case Share::Motion:
-      return peers::shareMotion(*this);
-    case Share::Breaks:
-      return peers::shareBreaks(*this);
-    case Share::FastPairs:
-      return peers::shareFastPairs(*this);
-    case Share::BounceRows:
-      return peers::shareBounces(*this);
-    case Share::Gaps:
-      return peers::shareProjections(*this);
-    case Share::Counts:
-      peers::shareCounts(*this);
-      if (!launcher_->begins()) return;
-      checkCuda(cudaMemcpyAsync(impl_->sumsOfStep.get(), data_.sums,
-                                sizeof(PeerSums) * static_cast<std::size_t>(data_.ranks),
-                                cudaMemcpyDeviceToHost, stream_),
-                "cudaMemcpyAsync");
-      launcher_->afterKernel_ = false;
+  if (what == Share::NodePoses) {  // all that see a body have its pose
+    if (!std::exchange(summed_, tables().plan.coarseCorrection)) peers::beginSums(*this);
+    return;
   }
+  peers::share(*this, what, which);
+  if (what != Share::Counts || !launcher_->begins()) return;
+  checkCuda(cudaMemcpyAsync(impl_->sumsOfStep.get(), data_.sums,
+                            sizeof(PeerSums) * static_cast<std::size_t>(data_.ranks), cudaMemcpyDeviceToHost,
+                            stream_),
+            "cudaMemcpyAsync");
+  launcher_->afterKernel_ = false;
 }
 
 void CudaPeers::gatherState() {

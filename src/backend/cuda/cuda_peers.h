@@ -78,6 +78,7 @@ class CudaPeers {
 
  private:
   struct Impl;
+  void meetIf(const int* condition);
   int mostOf(PeerList list) const;
 
   DeviceTables& tables_;

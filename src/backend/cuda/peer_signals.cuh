@@ -1,5 +1,5 @@
 #pragma once
-/// The barrier of several GPUs of one process: a kernel stores into the tables of others, then raises a flag
+/// The barrier of several GPUs of one process: after stores into the tables of others a kernel raises a flag
 /// at each and waits for theirs. Barriers are counted on the device, so that a captured graph may hold them.
 #include "backend/cuda/kernels.cuh"
 #include "backend/peers/peer_data.h"
@@ -38,8 +38,10 @@ __device__ inline unsigned readFlag(const unsigned* flag) {
   return value;
 }
 
-/// The barrier, by one block. A device that does not answer in time stops the step.
+/// The barrier, by one block: all that this device has stored comes before the flags. A device that does not
+/// answer in time stops the step.
 __device__ inline void meetPeers(const PeerSignals& g, Control* control) {
+  __threadfence_system();
   const int r = static_cast<int>(threadIdx.x);
   const unsigned epoch = *g.epoch + 1;
   if (r < g.ranks && r != g.rank) {
@@ -52,31 +54,19 @@ __device__ inline void meetPeers(const PeerSignals& g, Control* control) {
       }
   }
   __syncthreads();
-  if (r == 0) *g.epoch = epoch, *g.arrived = 0;
+  if (r == 0) *g.epoch = epoch;
 }
 
-/// push(s, element) for n elements, and a barrier by the last block that has stored its part. Nothing if
-/// `condition` points to zero.
-template <class Push>
-__global__ void __launch_bounds__(kThreads)
-    storeAndMeet(const __grid_constant__ SolverData s, const Push push, Count n, PeerSignals signals,
-                 const int* condition, Control* control) {
-  signals.awaitPrevious();
-  if (control->stop != 0 || (condition && *condition == 0)) return;
-  runStrided(s, push, n.get(), [&](int k) { return elementOf<Push>(n, k); });
-  // what the threads of all blocks have stored comes before the flags
+/// The same at the end of a kernel that stores: by its last block that has done so.
+__device__ inline void meetAfterStores(const PeerSignals& g, Control* control) {
   __threadfence_system();
   __shared__ bool last;
   __syncthreads();
-  if (threadIdx.x == 0) last = atomicAdd(signals.arrived, 1u) + 1 == gridDim.x;
+  if (threadIdx.x == 0) last = atomicAdd(g.arrived, 1u) + 1 == gridDim.x;
   __syncthreads();
   if (!last) return;
-  __threadfence_system();
-  meetPeers(signals, control);
+  if (threadIdx.x == 0) *g.arrived = 0;
+  meetPeers(g, control);
 }
-
-struct StoreNothing {
-  __device__ void operator()(const SolverData&, int) const {}
-};
 
 }  // namespace rubble::RUBBLE_CORE

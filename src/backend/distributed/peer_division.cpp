@@ -176,36 +176,12 @@ void PeerDivision::share(Share what, int which) {
   }
   settle();
   switch (what) {
-    case Share::None:
-      return;
-    case Share::Owners:
-      return peers::beginStep(*this);
-    case Share::Activity:
-      return peers::shareActivity(*this);
-    case Share::Touches:
-      return peers::shareTouches(*this);
-    case Share::Rows:
-      return peers::shareRows(*this);
     case Share::NodePoses:  // all that see a body have its pose
-      if (std::exchange(summed_, tables().plan.coarseCorrection)) return;
-      return peers::beginSums(*this);
-    case Share::SliceSums:
-      return peers::shareSums(*this, which);
+      if (!std::exchange(summed_, tables().plan.coarseCorrection)) peers::beginSums(*this);
+      return;
     case Share::ColorPoses:
       each(ShareColor{{data_}, colorList_.data()}, static_cast<int>(colorList_.size()));
       return barrier();
-    case Share::TreePoses:
-      return peers::shareTreePoses(*this);
-    case Share::Motion:
-      return peers::shareMotion(*this);
-    case Share::Breaks:
-      return peers::shareBreaks(*this);
-    case Share::FastPairs:
-      return peers::shareFastPairs(*this);
-    case Share::BounceRows:
-      return peers::shareBounces(*this);
-    case Share::Gaps:
-      return peers::shareProjections(*this);
     case Share::Counts:
       // the tables of the next step
       swaps_ = atRest_ = true;
@@ -215,6 +191,9 @@ void PeerDivision::share(Share what, int which) {
       for (const PeerSums& of : sums_)
         reports_.push_back(
             {.bodies = of.bodies, .ghosts = of.ghosts, .rows = of.rows, .migrated = of.migrated});
+      return;
+    default:
+      return peers::share(*this, what, which);
   }
 }
 

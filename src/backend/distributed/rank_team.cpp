@@ -95,7 +95,7 @@ void RankTeam::together(const std::function<void(RankEngine&)>& f) {
 }
 
 void RankTeam::step(StepReport& report) {
-  whole_ = false;
+  whole_ = edited_ = false;
   std::vector<StepReport> reports(ranks_.size(), report);
   together([&](RankEngine& rank) { rank.step(reports[static_cast<std::size_t>(rank.rank())]); });
   report = std::move(reports.front());

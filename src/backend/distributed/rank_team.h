@@ -14,7 +14,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// A thread for each rank. That of rank 0 is the calling one.
+/// A thread for each rank, which may wait for the others and run loops on threads of its own. That of rank 0
+/// is the calling one.
 class RankThreads {
  public:
   explicit RankThreads(int ranks);
@@ -49,10 +50,7 @@ class RankTeam final : public Engine {
     each([&](Engine& e) { e.configure(settings); });
   }
   void apply(std::span<const Edit> edits) override {
-    // waking the other threads takes longer than a few edits
-    constexpr std::size_t kFew = 256;
-    const auto apply = [&](Engine& e) { e.apply(edits); };
-    edits.size() < kFew ? each(apply) : together(apply);
+    together([&](Engine& e) { e.apply(edits); });
     edited_ = true;
   }
   void step(StepReport& report) override;
@@ -152,7 +150,7 @@ class RankTeam final : public Engine {
   void requireWhole() const;
 
   bool whole_ = false;   ///< rank 0 has the state of all since the last step
-  bool edited_ = false;  ///< there were edits since then, or since tables had room for them
+  bool edited_ = false;  ///< there were edits for which tables may lack room
   ThreadHub hub_;
   std::vector<std::unique_ptr<RankEngine>> ranks_;
   RankThreads threads_;

@@ -170,6 +170,40 @@ template <class M> void shareCounts(M& m) {
   m.each(TakeCounts{{p}}, 1);
 }
 
+/// The exchanges that need nothing but the machine.
+template <class M> void share(M& m, Share what, int which) {
+  switch (what) {
+    case Share::None:
+    case Share::ColorPoses:
+    case Share::NodePoses:
+      return;
+    case Share::Owners:
+      return beginStep(m);
+    case Share::Activity:
+      return shareActivity(m);
+    case Share::Touches:
+      return shareTouches(m);
+    case Share::Rows:
+      return shareRows(m);
+    case Share::SliceSums:
+      return shareSums(m, which);
+    case Share::TreePoses:
+      return shareTreePoses(m);
+    case Share::Motion:
+      return shareMotion(m);
+    case Share::Breaks:
+      return shareBreaks(m);
+    case Share::FastPairs:
+      return shareFastPairs(m);
+    case Share::BounceRows:
+      return shareBounces(m);
+    case Share::Gaps:
+      return shareProjections(m);
+    case Share::Counts:
+      return shareCounts(m);
+  }
+}
+
 /// Between steps: all ranks get the state of all pairs and joints. The counters are those of the last step.
 template <class M> void gatherState(M& m) {
   const PeerData p = m.data();
