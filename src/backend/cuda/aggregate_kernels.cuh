@@ -347,14 +347,4 @@ struct MoveNode {
   }
 };
 
-/// The same for the bodies that this device sees.
-struct MoveSeenNode {
-  static constexpr const char* kStage = MoveSlice::kStage;
-  MoveNode move;
-  PeerData p;
-  __device__ void operator()(const SolverData& s, int body) const {
-    if (p.isSeen(body)) move(s, body);
-  }
-};
-
 }  // namespace rubble::RUBBLE_CORE

@@ -8,10 +8,12 @@ namespace rubble::RUBBLE_CORE {
 struct DualOfPoint {
   static constexpr const char* kStage = UpdateContactDuals<Real>::kStage;
   static constexpr int kWidth = kLanes;
-  static constexpr int kBlocks = 12;
+  static constexpr int kBlocks = 8;
   __device__ void operator()(const SolverData& s, int i, const PointTile& tile) const {
     ContactRows& r = s.contact[i];
-    updateContactDuals<Real>(s.stepOf(r.a), r, s.dx[r.a], s.dx[r.b], tile.lane);
+    ContactRows own = rowsOfPoint(r, tile);
+    updateContactDuals<Real>(s.stepOf(own.a), own, wholeOf(s.dx, own.a), wholeOf(s.dx, own.b), 0);
+    r.load[tile.lane] = own.load[0], r.slip[tile.lane] = own.slip[0];
   }
 };
 template <> struct OnDevice<UpdateContactDuals<Real>> { using Type = DualOfPoint; };
@@ -19,29 +21,32 @@ template <> struct OnDevice<UpdateContactDuals<Real>> { using Type = DualOfPoint
 struct FinishPoint {
   static constexpr const char* kStage = FinishContacts<Real>::kStage;
   static constexpr int kWidth = kLanes;
-  static constexpr int kBlocks = 8;
+  static constexpr int kBlocks = 6;
   __device__ void operator()(const SolverData& s, int i, const PointTile& tile) const {
     ContactRows& r = s.contact[i];
-    Manifold& m = s.manifold[r.manifold];
+    ContactRows own = rowsOfPoint(r, tile);
+    Manifold& m = s.manifold[own.manifold];
     const int k = tile.lane;
-    // prefetch
+    // all of this is asked for before it is needed
     const bool on = k < m.count, impact = on && (m.impact >> k & 1);
-    updateContactDuals<Real>(s.stepOf(r.a), r, s.dx[r.a], s.dx[r.b], k);
     PointBefore before;
     if (on) before = pointBefore(m, k, impact), noteBefore(s, i, m, k);
+    const Displacement a = wholeOf(s.dx, own.a), b = wholeOf(s.dx, own.b);
+    updateContactDuals<Real>(s.stepOf(own.a), own, a, b, 0);
+    r.load[k] = own.load[0], r.slip[k] = own.slip[0];
     StoredPoint point{};
-    PointSupport own;
+    PointSupport support;
     if (on) {
-      const StoredFrame frame = storedFrame(s, r);
-      point = storedPoint(s, r, frame, k, impact, before);
-      own = pointSupport(s, r, frame.t1, frame.t2, k, !impact);
+      const StoredFrame frame = storedFrame(own.n, a, b);
+      point = storedPoint(s, own, frame, 0, impact, before);
+      support = pointSupport(s, own, frame.t1, frame.t2, 0, !impact);
     }
-    own = {tile.sum(own.load), tile.sum(own.weight), tile.sum(own.moment)};
+    support = {tile.sum(support.load), tile.sum(support.weight), tile.sum(support.moment)};
     storeMemory(point.memory, m, tile);
     const unsigned sticks = tile.ballot(point.sticks);
     if (k != 0) return;
     m.stick = static_cast<std::uint8_t>(sticks);
-    s.support[i] = supportOf(r, own);
+    s.support[i] = supportOf(own, support);
   }
 };
 template <> struct OnDevice<FinishContacts<Real>> { using Type = FinishPoint; };
@@ -50,24 +55,26 @@ template <> struct OnDevice<FinishContacts<Real>> { using Type = FinishPoint; };
 struct RecycleManifoldByLanes {
   static constexpr const char* kStage = RecycleManifolds::kStage;
   static constexpr int kWidth = kLanes;
-  static constexpr int kBlocks = 7;
+  static constexpr int kBlocks = 5;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const int pair = s.activePair[i];
-    const Pair p = s.pair[pair];
+    const Manifold* const old = manifoldBefore(s, i);
+    // asked for before it is known whether it is needed
+    Manifold own;
+    if (old) own = manifoldOfPoint(*old, tile);
+    const Pair p = wholeOf(s.pair, pair);
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
-    const Manifold* const old = manifoldBefore(s, i);
     if (old && s.plan.sleeping && !moves(s, p.owner) && !moves(s, p.other)) {
       if (tile.lane == 0) keepAsleep(s, i, p, old);
       return;
     }
     if (!old || !mayRecycle(s, o) ||
-        !recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance)) {
+        !recyclable(wholeOf(s.pairTest, pair), own.count, pose, s.step->recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }
     Manifold& m = s.manifold[i];
-    Manifold own = manifoldOfPoint(*old, tile);
     copyPlaces(*old, m, tile);
     const int k = tile.lane;
     const bool on = k < own.count;
@@ -113,17 +120,21 @@ template <> struct OnDevice<RecycleManifolds> { using Type = RecycleManifoldByLa
 struct BuildRowsOfPoint {
   static constexpr const char* kStage = BuildContactRows::kStage;
   static constexpr int kWidth = kLanes;
-  static constexpr int kBlocks = 8;
+  static constexpr int kBlocks = 6;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     if (s.hasRows[i] == 0) return;
-    Manifold& m = s.manifold[i];
     const int k = tile.lane, row = s.rowOffset[i];
+    const Manifold m = manifoldOfPoint(s.manifold[i], tile);
+    const PairPlace place = pairPlace(s, i);
+    PointMotion motion;
+    if (k < m.count) motion = pointMotion(s, m, place, 0);
+    const Real fastest = tile.max(motion.hits ? motion.closing : Real(0));
     // the fields that the points share, and this thread's point in lane 0
     ContactRows own;
     memset(static_cast<void*>(&own), 0, sizeof own);
-    const PairRows p = beginRows(s, i, own);
+    const PairRows p = beginRows(s, i, place, fastest, own);
     own.slip[0].mu = p.mu;
-    const unsigned impact = tile.ballot(k < m.count && buildPoint(s, m, p, k, own, 0));
+    const unsigned impact = tile.ballot(k < m.count && buildPoint(s, m, p, motion, 0, own, 0));
     ContactRows& r = s.contact[row];
     r.place[k] = own.place[0], r.load[k] = own.load[0], r.slip[k] = own.slip[0];
     storeHead(own, r, tile);
@@ -131,8 +142,8 @@ struct BuildRowsOfPoint {
     if (k != 0) return;
     s.rowBodies[row] = {own.a, own.b, i};
     s.joinLevel[row] = holds ? finestSharedLevel(s, own.a, own.b) : kCoarseLevels;
-    m.row = row;
-    m.impact = static_cast<std::uint8_t>(impact);
+    s.manifold[i].row = row;
+    s.manifold[i].impact = static_cast<std::uint8_t>(impact);
   }
 
  private:

@@ -324,8 +324,7 @@ class CudaExecutor : private ScanLauncher {
             solveVertexColor,
             {std::min(blocksFor(view().vertices, kVertexLanes), kVertexBlocks * processors_), kThreads},
             SolveVertex::kStage, view(), c, SolveThreads::of(view(), processors_).vertices, control_);
-      if (peers_ && bodies)
-        peers_->shareColor(c, listOf(ownHighDegree_).count, blocksFor(view().bodies / kBodiesPerStore));
+      if (peers_ && bodies) peers_->shareColor(c);
     }
     // colors that share a launch share nothing with other devices
     if (!peers_) solveColorsFrom(options_.colors, 1, {0, 0});
@@ -417,7 +416,7 @@ class CudaExecutor : private ScanLauncher {
       else
         sumLevelOfAll<kWarp>(level, kSoftOnly);
     } else if constexpr (D::kCut == Cut::LevelMoves) {
-      run(MoveSeenNode{{level, kSoftOnly}, peers_->data()}, view().bodiesMove ? view().bodies : 0);
+      runList(MoveNode{level, kSoftOnly}, PeerList::SeenBodies, view().bodiesMove ? view().bodies : 0);
     }
   }
   template <int kTile> void sumLevelOfAll(int level, bool softOnly) {
@@ -486,8 +485,6 @@ class CudaExecutor : private ScanLauncher {
   /// One warp per kWarp of n bodies.
   template <class Kernel> void runByWarp(const Kernel& kernel, int n) { run(kernel, warpsFor(n)); }
   SumTree tree() const { return {reinterpret_cast<int*>(tickets_.data()), tables_.capacity(Per::Slice)}; }
-  /// Bodies of a color for each block that stores their poses.
-  static constexpr int kBodiesPerStore = 64;
 
   CudaPeers* peers_ = nullptr;
   DeviceBuffer tickets_, highDegree_, ownHighDegree_, longSlices_, colorBins_;

@@ -1,9 +1,5 @@
 #include "backend/cuda/cuda_peers.h"
 
-#include <thrust/iterator/counting_iterator.h>
-#include <thrust/iterator/transform_iterator.h>
-#include <cub/device/device_select.cuh>
-
 #include <algorithm>
 #include <set>
 #include <string>
@@ -40,16 +36,53 @@ class KeptBuffer {
   std::size_t bytes_ = 0;
 };
 
-template <class Test> struct MarkListed {
-  Test test;
-  int* flag;
-  __device__ void operator()(const SolverData& s, int i) const { flag[i] = test(s, i) ? 1 : 0; }
-};
-/// Input of a selection: false beyond the last element.
-struct FlagAt {
-  CountAt flags;
-  __host__ __device__ bool operator()(int i) const { return flags(i) != 0; }
-};
+/// Appends the elements of [0, n) that pass a test to a list, block by block: ascending within a block.
+template <class Test>
+__global__ void __launch_bounds__(kThreads)
+    listElements(const __grid_constant__ SolverData s, const Test test, Count n, int* list, int* listed,
+                 Gate gate) {
+  constexpr int kEach = 8, kWarps = kThreads / kWarp;
+  __shared__ int sums[kWarps], begin;
+  gate.enter([&] {
+    const int count = n.get(), warp = static_cast<int>(threadIdx.x) / kWarp;
+    const Tile<kWarp> tile = Tile<kWarp>::ofThread();
+    for (int base = static_cast<int>(blockIdx.x) * kThreads * kEach; base < count;
+         base += static_cast<int>(gridDim.x) * kThreads * kEach) {
+      // warp by warp, kEach times kWarp elements
+      const int first = base + warp * kEach * kWarp + tile.lane;
+      unsigned passed[kEach];
+      int own = 0;
+#pragma unroll
+      for (int k = 0; k < kEach; ++k) {
+        const int i = first + k * kWarp;
+        passed[k] = tile.ballot(i < count && test(s, i));
+        own += __popc(passed[k]);
+      }
+      if (tile.lane == 0) sums[warp] = own;
+      __syncthreads();
+      if (threadIdx.x == 0) {
+        int sum = 0;
+        for (int w = 0; w < kWarps; ++w) {
+          const int of = sums[w];
+          sums[w] = sum, sum += of;
+        }
+        begin = atomicAdd(listed, sum);
+      }
+      __syncthreads();
+      int place = begin + sums[warp];
+#pragma unroll
+      for (int k = 0; k < kEach; ++k) {
+        if (passed[k] >> tile.lane & 1)
+          list[place + __popc(passed[k] & ((1u << tile.lane) - 1))] = first + k * kWarp;
+        place += __popc(passed[k]);
+      }
+      __syncthreads();
+    }
+  });
+}
+/// Bodies for each thread that stores poses of a color: few are seen by others.
+inline constexpr int kBodiesPerStore = 64;
+
 struct CloseOtherTrees : PeerKernel {
   __device__ void operator()(const SolverData& s, int n) const {
     if (const TreeNode& node = s.treeNode[n];
@@ -58,25 +91,19 @@ struct CloseOtherTrees : PeerKernel {
   }
 };
 
-/// ShareColor for the own bodies of a color, and for all own bodies of high degree that have it.
-struct ShareColorAndHighDegree : PeerKernel {
+/// ShareColor for the bodies of a color among those that others see.
+struct ShareSeenOfColor : PeerKernel {
   int color;
-  const int* highDegree;  ///< number, then bodies
-  __device__ void operator()(const SolverData& s, int k) const {
-    const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
-    if (k < count) return sharePose(s, p, s.colorBody[begin + k]);
-    const int body = highDegree[1 + k - count];
+  __device__ void operator()(const SolverData& s, int body) const {
     if (isSwept(s, body) && s.color[body] == color) sharePose(s, p, body);
   }
 };
-/// ShareColorAndHighDegree over a range that only the device knows.
 __global__ void __launch_bounds__(kThreads)
-    storeColor(const __grid_constant__ SolverData s, const ShareColorAndHighDegree push, PeerSignals signals,
-               Control* control) {
+    storeColor(const __grid_constant__ SolverData s, const ShareSeenOfColor push, Count shared,
+               PeerSignals signals, Control* control) {
   signals.awaitPrevious();
   if (control->stop != 0 || push.color >= s.counters->colors) return;
-  const int n = s.colorOffset[push.color + 1] - s.colorOffset[push.color] + *push.highDegree;
-  runStrided(s, push, n, [](int k) { return k; });
+  runStrided(s, push, shared.get(), [&](int k) { return shared.list[k]; });
   meetAfterStores(signals, control);
 }
 
@@ -102,11 +129,9 @@ struct CudaPeers::Impl {
 
   RankCourier courier;
   KeptBuffer cut, owner, ownerBefore, moves, movesBefore, seen, seenBy, sliceOwner, sees, mixed, extraRow,
-      extraJoint[JointTypes::kSize], sums, lists[kPeerLists], listed, at, flags, signals;
-  DeviceBuffer scratch;
+      extraJoint[JointTypes::kSize], sums, lists[kPeerLists], listed, at, signals;
   PeerSignals signal{};
   PeerRank* places = nullptr;
-  int* flag = nullptr;
   struct SumsOfStep {
     PeerSums of[kMostPeers];
   };
@@ -165,6 +190,8 @@ int CudaPeers::mostOf(PeerList list) const {
     case PeerList::ExtraRows:
       return tables_.capacity(Per::Manifold);
     case PeerList::Bodies:
+    case PeerList::SeenBodies:
+    case PeerList::SharedBodies:
       return tables_.capacity(Per::Body);
     case PeerList::Slices:
     case PeerList::SeenSlices:
@@ -193,27 +220,16 @@ void CudaPeers::reserve() {
   m.extraRow.reserve(capacity(Per::Manifold), data_.extraRow);
   for (int type = 0; type < JointTypes::kSize; ++type)
     m.extraJoint[type].reserve(capacity(perJoint(type)), data_.extraJoint[type]);
-  int most = 1;
-  for (int k = 0; k < kPeerLists; ++k) {
-    const int n = mostOf(static_cast<PeerList>(k));
-    m.lists[k].reserve(static_cast<std::size_t>(n), data_.list[k]);
-    most = std::max(most, n);
-  }
-  m.flags.reserve(static_cast<std::size_t>(most), m.flag);
-  std::size_t bytes = 0;
-  const auto flags = thrust::make_transform_iterator(thrust::make_counting_iterator(0), FlagAt{});
-  checkCuda(cub::DeviceSelect::Flagged(nullptr, bytes, thrust::make_counting_iterator(0), flags,
-                                       static_cast<int*>(nullptr), static_cast<int*>(nullptr), most, stream_),
-            "selection");
-  m.scratch.reserve(bytes);
+  for (int k = 0; k < kPeerLists; ++k)
+    m.lists[k].reserve(static_cast<std::size_t>(mostOf(static_cast<PeerList>(k))), data_.list[k]);
 }
 
 std::size_t CudaPeers::bytes() const {
   const Impl& m = *impl_;
-  std::size_t sum = m.scratch.size();
+  std::size_t sum = 0;
   for (const KeptBuffer* const each :
        {&m.cut, &m.owner, &m.ownerBefore, &m.moves, &m.movesBefore, &m.seen, &m.seenBy, &m.sliceOwner,
-        &m.sees, &m.mixed, &m.extraRow, &m.sums, &m.listed, &m.at, &m.flags, &m.signals})
+        &m.sees, &m.mixed, &m.extraRow, &m.sums, &m.listed, &m.at, &m.signals})
     sum += each->size();
   for (const KeptBuffer& each : m.extraJoint) sum += each.size();
   for (const KeptBuffer& each : m.lists) sum += each.size();
@@ -300,35 +316,19 @@ template <class Kernel> void CudaPeers::eachOf(PeerList list, const Kernel& kern
   launcher.launch(kernel, {0, countOf(list), elements(list)}, mostOf(list), Kernel::kStage);
 }
 template <class Test> void CudaPeers::select(PeerList list, const Test& test, int n) {
-  Impl& m = *impl_;
-  KernelLauncher& launcher = *launcher_;
-  if (!launcher.begins()) return;
-  launcher.enterStage("ranks");
-  if (n > 0) launcher.launch(MarkListed<Test>{test, m.flag}, {n, nullptr}, n, "ranks");
-  std::size_t bytes = m.scratch.size();
-  const auto flags = thrust::make_transform_iterator(thrust::make_counting_iterator(0),
-                                                     FlagAt{{m.flag, nullptr, n, mostOf(list)}});
-  checkCuda(cub::DeviceSelect::Flagged(m.scratch.data(), bytes, thrust::make_counting_iterator(0), flags,
-                                       data_.list[static_cast<int>(list)],
-                                       data_.listed + static_cast<int>(list), n, stream_),
-            "selection");
-  launcher.afterKernel_ = false;
+  if (launcher_->begins() && n > 0) launchSelect(list, test, {n, nullptr}, n);
 }
 template <class Test> void CudaPeers::select(PeerList list, const Test& test, int Counters::*n) {
-  Impl& m = *impl_;
   KernelLauncher& launcher = *launcher_;
-  if (!launcher.begins()) return;
+  if (launcher.begins()) launchSelect(list, test, {0, launcher.counter(n)}, launcher.capacityOf(n));
+}
+template <class Test>
+void CudaPeers::launchSelect(PeerList list, const Test& test, const Count& n, int most) {
+  KernelLauncher& launcher = *launcher_;
   launcher.enterStage("ranks");
-  const int most = std::min(launcher.capacityOf(n), mostOf(list));
-  launcher.launch(MarkListed<Test>{test, m.flag}, {0, launcher.counter(n)}, most, "ranks");
-  std::size_t bytes = m.scratch.size();
-  const auto flags = thrust::make_transform_iterator(thrust::make_counting_iterator(0),
-                                                     FlagAt{{m.flag, launcher.counter(n), 0, most}});
-  checkCuda(cub::DeviceSelect::Flagged(m.scratch.data(), bytes, thrust::make_counting_iterator(0), flags,
-                                       data_.list[static_cast<int>(list)],
-                                       data_.listed + static_cast<int>(list), most, stream_),
-            "selection");
-  launcher.afterKernel_ = false;
+  launcher.launchNext(listElements<Test>, {launcher.blocksFor(most), kThreads}, "ranks", tables(), test, n,
+                      data_.list[static_cast<int>(list)], data_.listed + static_cast<int>(list),
+                      Gate{launcher.control_});
 }
 void CudaPeers::barrier() { meetIf(nullptr); }
 void CudaPeers::barrierIf(int Counters::*counter) { meetIf(launcher_->counter(counter)); }
@@ -340,7 +340,10 @@ void CudaPeers::meetIf(const int* condition) {
 }
 
 void CudaPeers::plan() {
-  if (!std::exchange(planned_, true)) peers::plan(*this);
+  if (std::exchange(planned_, true)) return;
+  peers::plan(*this);
+  select(PeerList::SharedBodies, SharedBody{data_}, tables().bodies);
+  if (tables().plan.coarseCorrection) select(PeerList::SeenBodies, SeenBody{data_}, tables().bodies);
 }
 void CudaPeers::listActivePairs() {
   if (!std::exchange(activeListed_, true)) peers::listActivePairs(*this);
@@ -356,16 +359,21 @@ void CudaPeers::beginColors(int limit) {
                       static_cast<const int*>(launcher.counter(&Counters::colors)),
                       Room{static_cast<int>(Per::Color), limit, launcher.operation()});
 }
-void CudaPeers::shareColor(int color, const int* highDegree, int blocks) {
+void CudaPeers::shareColor(int color) {
   KernelLauncher& launcher = *launcher_;
-  launcher.launchNext(storeColor, {std::max(1, blocks), kThreads}, "ranks", tables(),
-                      ShareColorAndHighDegree{{data_}, color, highDegree}, impl_->signal, launcher.control_);
+  const Count shared{0, countOf(PeerList::SharedBodies), elements(PeerList::SharedBodies)};
+  launcher.launchNext(storeColor, {launcher.blocksFor(tables().bodies / kBodiesPerStore), kThreads}, "ranks",
+                      tables(), ShareSeenOfColor{{data_}, color}, shared, impl_->signal, launcher.control_);
 }
 
 void CudaPeers::share(Share what, int which) {
   if (what == Share::NodePoses) {  // all that see a body have its pose
     if (!std::exchange(summed_, tables().plan.coarseCorrection)) peers::beginSums(*this);
     return;
+  }
+  if (what == Share::Owners && launcher_->begins()) {
+    checkCuda(cudaMemsetAsync(data_.listed, 0, sizeof(int) * kPeerLists, stream_), "cudaMemsetAsync");
+    launcher_->afterKernel_ = false;
   }
   peers::share(*this, what, which);
   if (what != Share::Counts || !launcher_->begins()) return;

@@ -14,6 +14,7 @@
 namespace rubble::RUBBLE_CORE {
 
 class KernelLauncher;
+struct Count;
 
 class CudaPeers {
  public:
@@ -49,9 +50,8 @@ class CudaPeers {
   void closeOtherTrees();
   /// Before the first color of a sweep. `limit`: colors that are launched.
   void beginColors(int limit);
-  /// Stores the poses of one color, by that many blocks. `highDegree`: the number of own bodies that are in
-  /// no list of a color, and these bodies.
-  void shareColor(int color, const int* highDegree, int blocks);
+  /// Stores the poses of one color.
+  void shareColor(int color);
   /// Between steps, after meet(): gives the state of all pairs and joints to all ranks.
   void gatherState();
   /// Returns whether all ranks have that state.
@@ -78,6 +78,7 @@ class CudaPeers {
 
  private:
   struct Impl;
+  template <class Test> void launchSelect(PeerList list, const Test& test, const Count& n, int most);
   void meetIf(const int* condition);
   int mostOf(PeerList list) const;
 

@@ -259,9 +259,13 @@ void CudaStepper::observe(KernelObserver observer) {
 void CudaStepper::sortBodies(const SolverData& host, int pairs) {
   Impl& m = *impl_;
   m.adopt(host);
+  m.executor.divide(nullptr);  // each device sorts all bodies
   m.executor.reserveScratch();
-  CudaRearranger rearranger(m.executor, m.stream);
-  RUBBLE_CORE::sortBodies(rearranger, pairs);
+  {
+    CudaRearranger rearranger(m.executor, m.stream);
+    RUBBLE_CORE::sortBodies(rearranger, pairs);
+  }
+  m.executor.divide(m.peers.get());
   // old and new tables swap roles in each step
   m.parity ^= 1;
 }

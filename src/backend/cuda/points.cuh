@@ -52,6 +52,18 @@ __device__ inline Manifold manifoldOfPoint(const Manifold& m, const PointTile& t
   return own;
 }
 
+/// The rows of a contact with the point of this lane as point 0. Other points are not set.
+__device__ inline ContactRows rowsOfPoint(const ContactRows& r, const PointTile& tile) {
+  ContactRows own;
+  own.place[0] = r.place[tile.lane], own.load[0] = r.load[tile.lane], own.slip[0] = r.slip[tile.lane];
+  constexpr int kQuads = (sizeof(ContactRows) - offsetof(ContactRows, n)) / sizeof(float4);
+  float4 shared[kQuads];
+#pragma unroll
+  for (int q = 0; q < kQuads; ++q) shared[q] = __ldca(reinterpret_cast<const float4*>(&r.n) + q);
+  memcpy(static_cast<void*>(&own.n), shared, sizeof shared);
+  return own;
+}
+
 /// Stores the fields that the points share, one quad per lane.
 __device__ inline void storeShared(const Manifold& own, Manifold& m, const PointTile& tile) {
   static_assert(kSharedQuads == 2);

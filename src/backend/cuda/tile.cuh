@@ -29,6 +29,11 @@ template <int kWidth> struct Tile {
     for (int step = kWidth / 2; step > 0; step /= 2) a += __shfl_xor_sync(mask, a, step, kWidth);
     return a;
   }
+  __device__ Real max(Real a) const {
+#pragma unroll
+    for (int step = kWidth / 2; step > 0; step /= 2) a = fmaxf(a, __shfl_xor_sync(mask, a, step, kWidth));
+    return a;
+  }
   __device__ Vec3 sum(const Vec3& a) const { return {sum(a.x), sum(a.y), sum(a.z)}; }
   __device__ int sum(int a) const {
 #pragma unroll

@@ -20,6 +20,8 @@ enum class PeerList {
   OwnRows,
   ExtraRows,
   Bodies,
+  SeenBodies,    ///< its own and those that it sees; on GPUs
+  SharedBodies,  ///< its own that others see; on GPUs
   Slices,
   SeenSlices,
   MixedSlices,  ///< seen ones of mixed aggregates
@@ -75,7 +77,7 @@ struct PeerData {
   std::uint8_t* extraRow = nullptr;                  ///< [rows] 1: evaluated for a slice alone
   std::uint8_t* extraJoint[JointTypes::kSize] = {};  ///< [joints] the same
   PeerSums* sums = nullptr;                          ///< [ranks]
-  int* list[kPeerLists] = {};                        ///< ascending indices
+  int* list[kPeerLists] = {};                        ///< indices; on CPUs ascending
   int* listed = nullptr;                             ///< [lists] how many
 
   RUBBLE_HD bool isMine(int body) const { return body == rank || body == kEveryPeer; }
@@ -213,6 +215,14 @@ struct OwnBody {
     return isDynamic(s, i) && p.isMine(p.owner[i]);
   }
   RUBBLE_HD int ownerOf(const SolverData&, int i) const { return p.owner[i]; }
+};
+struct SeenBody {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int i) const { return isDynamic(s, i) && p.isSeen(i); }
+};
+struct SharedBody {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData&, int i) const { return p.seenBy[i] != 0; }
 };
 struct OwnSlice {
   PeerData p;

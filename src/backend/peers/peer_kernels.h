@@ -276,20 +276,25 @@ struct TakeBreaks : PeerKernel {
     for (int r = 0; r < p.ranks; ++r) s.counters->broken += p.sums[r].broken;
   }
 };
-/// Near active pairs.
+/// Near active pairs: those that this rank counts, or with `others` those that another rank does.
 struct CountContacts : PeerKernel {
+  bool others;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.hasRows[i] == 0 || !p.counts(NearActivePair{p}.ownerOf(s, i))) return;
+    if (s.hasRows[i] == 0 || p.counts(NearActivePair{p}.ownerOf(s, i)) == others) return;
     const Manifold& m = s.manifold[i];
-    int points = 0;
-    for (int bits = m.activePoints; bits != 0; bits &= bits - 1) ++points;
-    atomicCount(&p.sums[p.rank].contacts, points);
+    atomicCount(&p.sums[p.rank].contacts, countPoints(m.activePoints));
     if (m.recycled) atomicCount(&p.sums[p.rank].recycled, 1);
   }
 };
+/// `countsNear`: the counters of the step have all near contacts; then CountContacts counted those of others.
 struct CountPart : PeerKernel {
+  bool countsNear;
   RUBBLE_HD void operator()(const SolverData& s, int) const {
     PeerSums& own = p.sums[p.rank];
+    if (countsNear) {
+      own.contacts = s.counters->contacts - own.contacts;
+      own.recycled = s.counters->recycled - own.recycled;
+    }
     own.failedSolves = s.counters->failedSolves, own.boundedSteps = s.counters->boundedSteps;
     own.bodies = p.listed[static_cast<int>(PeerList::Bodies)];
     own.rows = p.listed[static_cast<int>(PeerList::Rows)];

@@ -61,7 +61,7 @@ template <class M> void listActivePairs(M& m) {
   m.select(PeerList::ActivePairs, NearActivePair{m.data()}, &Counters::activePairs);
 }
 template <class M> void shareTouches(M& m) {
-  m.eachOf(PeerList::ActivePairs, CountContacts{{m.data()}});
+  m.eachOf(PeerList::ActivePairs, CountContacts{{m.data()}, M::kCountsNear});
   m.each(ShareTouches{{m.data()}}, &Counters::activePairs);
   m.barrier();
 }
@@ -164,7 +164,7 @@ template <class M> void shareProjections(M& m) {
 /// Ends a step.
 template <class M> void shareCounts(M& m) {
   const PeerData p = m.data();
-  m.each(CountPart{{p}}, 1);
+  m.each(CountPart{{p}, M::kCountsNear}, 1);
   m.each(ShareSumsOfStep{{p}}, 1);
   m.barrier();
   m.each(TakeCounts{{p}}, 1);

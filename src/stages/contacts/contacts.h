@@ -88,11 +88,36 @@ struct TestPairs {
   }
 };
 
+/// A pair at x^t.
+struct PairPlace {
+  OrderedPair bodies;
+  Quat qa, qb;
+  Vec3 t;       ///< p_B - p_A [m]
+  Real length;  ///< L [m]
+};
+RUBBLE_HD inline PairPlace pairPlace(const SolverData& s, int manifold) {
+  const OrderedPair o = ordered(s.pair[s.activePair[manifold]]);
+  return {o, wholeOf(s.orientation, o.a), wholeOf(s.orientation, o.b), centerDistance(s, o.a, o.b),
+          pairLength(s.params[o.a], s.params[o.b])};
+}
+
+/// A contact point at x^t.
+struct PointMotion {
+  PointAt at{};
+  Real closing = 0;   ///< closing speed [m/s]
+  bool hits = false;  ///< it stops a fast approach in the step
+};
+RUBBLE_HD inline PointMotion pointMotion(const SolverData& s, const Manifold& m, const PairPlace& p, int k) {
+  PointMotion out;
+  out.at = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
+  out.closing = closingSpeed(s, p.bodies, m.normal, out.at.lever, p.t);
+  out.hits = hits(s.stepOf(p.bodies.a), out.closing, out.at.depth, p.length);
+  return out;
+}
+
 /// Quantities shared by all contact points of a pair at x^t.
 struct PairRows {
   OrderedPair bodies;
-  Quat qa, qb;
-  Vec3 t;
   Real mu;  ///< friction coefficient of this step, static or dynamic
   bool bothMove;
   Real heavier;       ///< k_start from the mass of the heavier body [N/m]
@@ -132,20 +157,6 @@ RUBBLE_HD inline bool slides(const Manifold& m, Real muStatic) {
   return 2 * yielding > load && slip * stiffness > kLeastSlip * muStatic * load * load;
 }
 
-/// Closing speed of the fastest contact point that stops an approach in this step, 0 if there is none [m/s].
-RUBBLE_HD inline Real fastestPoint(const SolverData& s, const Manifold& m, const PairRows& p, const Vec3& n,
-                                   Real length) {
-  Real fastest = 0;
-  const int a = p.bodies.a, b = p.bodies.b;
-  if (!(pairSpeed(s, a, b, s.params[a], s.params[b]).closing > impactSpeed(s.stepOf(a), length)))
-    return fastest;
-  for (int k = 0; k < m.count; ++k) {
-    const PointAt point = pointAt(m, k, n, p.qa, p.qb, p.t);
-    const Real closing = closingSpeed(s, p.bodies, n, point.lever, p.t);
-    if (hits(s.stepOf(a), closing, point.depth, length)) fastest = max(fastest, closing);
-  }
-  return fastest;
-}
 /// The load of an impact corresponds to at most this many times the stopped mass [1]. With more, rows do not
 /// follow their bodies within the iterations. With less, the impact does not propagate through a pile.
 inline constexpr Real kImpactMasses = 100;
@@ -175,26 +186,25 @@ RUBBLE_HD inline Real largestLoad(const SolverData& s, const OrderedPair& o, Rea
   return max(kContactShare * massLength * inverseDt * inverseDt, kMostImpacts * mass * closing * inverseDt);
 }
 
-/// Initializes the rows of manifold i except for its points. `r` must be all zeros.
-RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) {
+/// Initializes the rows of manifold i except for its points. `r` must be all zeros. `fastest`: closing speed
+/// of the fastest contact point that stops an approach in this step, 0 if there is none [m/s].
+RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, const PairPlace& place, Real fastest,
+                                    ContactRows& r) {
   const Manifold& m = s.manifold[i];
-  const Pair& pair = s.pair[s.activePair[i]];
-  const OrderedPair o = ordered(pair);
-  const StepConstants c = s.stepOf(o.a);
+  const OrderedPair& o = place.bodies;
+  const StepConstants& c = s.stepOf(o.a);
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   PairRows p;
   p.bodies = o;
-  p.qa = s.orientation[o.a], p.qb = s.orientation[o.b];
-  p.t = centerDistance(s, o.a, o.b);
   r.a = o.a, r.b = o.b, r.manifold = i;
   r.n = m.normal;
-  r.offset = -p.t;
-  r.length = pairLength(pa, pb);
+  r.offset = -place.t;
+  r.length = place.length;
   const Real lighter = pa.kind != BodyKind::Dynamic   ? pb.mass
                        : pb.kind != BodyKind::Dynamic ? pa.mass
                                                       : min(pa.mass, pb.mass);
   r.start = startStiffness(c, lighter);
-  const PairMaterial material = pairMaterial(s, pair, o);
+  const PairMaterial material = pairMaterial(s, s.pair[s.activePair[i]], o);
   p.bothMove = pa.kind == BodyKind::Dynamic && pb.kind == BodyKind::Dynamic;
   r.muStatic = material.muStatic, r.muDynamic = material.muDynamic;
   p.mu = r.muStatic != r.muDynamic && slides(m, r.muStatic) ? r.muDynamic : r.muStatic;
@@ -206,23 +216,23 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) 
   p.normal = contactRule(c, r.start, r.length);
   const ShapeTables tables = s.shapeTables();
   const Real thin = thinner(innerRadiusOf(tables, pa.shape), innerRadiusOf(tables, pb.shape));
-  const Real speed = max(fastestPoint(s, m, p, r.n, r.length), impactSpeedBoundOf(s, o.a, o.b));
+  const Real speed = max(fastest, impactSpeedBoundOf(s, o.a, o.b));
   p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, speed, thin);
   p.tangent = tangentRule(c, p.normal);
   return p;
 }
 
 /// Builds the rows of point k in lane `to` of r: geometry, regularized errors, warm start [S 12] [S 17].
-/// Returns whether the point stops a fast approach.
-RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p, int k,
-                                 ContactRows& r, int to) {
+/// Returns whether the point counts as an impact.
+RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p,
+                                 const PointMotion& motion, int k, ContactRows& r, int to) {
   const OrderedPair& o = p.bodies;
-  const StepConstants c = s.stepOf(o.a);
-  const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
-  const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
-  const bool impact = hits(c, closing, point.depth, r.length), isActive = m.activePoints >> k & 1;
+  const StepConstants& c = s.stepOf(o.a);
+  const PointAt& point = motion.at;
+  const bool isActive = m.activePoints >> k & 1;
   if (point.depth > c.contactMargin * r.length) notePressed(s, o, point.depth);
-  if (isActive && r.restitution > Real(0) && s.counters->bounces == 0 && isImpact(c, closing, r.length))
+  if (isActive && r.restitution > Real(0) && s.counters->bounces == 0 &&
+      isImpact(c, motion.closing, r.length))
     atomicRaise(&s.counters->bounces, 1);
 
   const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
@@ -257,7 +267,7 @@ RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const P
   r.place[to] = {point.lever, inheritedViolation(c, point.depth)};
   r.load[to] = {lambda, l1, l2, kN};
   r.slip[to] = {c.driftCorrection * drift1, c.driftCorrection * drift2, p.mu, kT};
-  return impact && c.impactRule;
+  return motion.hits && c.impactRule;
 }
 
 /// Does point k touch, up to the gap beyond which a point is inactive?
@@ -283,11 +293,18 @@ struct BuildContactRows {
     m.row = s.rowOffset[i];
     ContactRows r;
     memset(static_cast<void*>(&r), 0, sizeof r);  // including unused points
-    const PairRows p = beginRows(s, i, r);
+    const PairPlace place = pairPlace(s, i);
+    PointMotion motion[kLanes];
+    Real fastest = 0;
+    for (int k = 0; k < m.count; ++k) {
+      motion[k] = pointMotion(s, m, place, k);
+      if (motion[k].hits) fastest = max(fastest, motion[k].closing);
+    }
+    const PairRows p = beginRows(s, i, place, fastest, r);
     for (PointSlip& slip : r.slip) slip.mu = p.mu;
     m.impact = 0;
     for (int k = 0; k < m.count; ++k)
-      if (buildPoint(s, m, p, k, r, k)) m.impact |= static_cast<std::uint8_t>(1u << k);
+      if (buildPoint(s, m, p, motion[k], k, r, k)) m.impact |= static_cast<std::uint8_t>(1u << k);
     s.contact[m.row] = r;
     s.rowBodies[m.row] = {r.a, r.b, i};
     s.joinLevel[m.row] = joinLevel(s, r, m.impact);
@@ -311,11 +328,9 @@ struct StoredFrame {
   Quat rotationA, rotationB;
   Vec3 t1, t2;
 };
-RUBBLE_HD inline StoredFrame storedFrame(const SolverData& s, const ContactRows& r) {
-  StoredFrame f;
-  f.a = s.dx[r.a], f.b = s.dx[r.b];
-  f.rotationA = expRotation(f.a.dw), f.rotationB = expRotation(f.b.dw);
-  tangentBasis(r.n, f.t1, f.t2);
+RUBBLE_HD inline StoredFrame storedFrame(const Vec3& n, const Displacement& a, const Displacement& b) {
+  StoredFrame f{a, b, expRotation(a.dw), expRotation(b.dw), {}, {}};
+  tangentBasis(n, f.t1, f.t2);
   return f;
 }
 
@@ -391,7 +406,7 @@ template <class L> struct FinishContacts {
     UpdateContactDuals<L>{}(s, i);
     const ContactRows& r = s.contact[i];
     Manifold& m = s.manifold[r.manifold];
-    const StoredFrame f = storedFrame(s, r);
+    const StoredFrame f = storedFrame(r.n, s.dx[r.a], s.dx[r.b]);
     std::uint8_t stick = 0;
     // sums in the order in which four lanes are added
     static_assert(kLanes == 4);

@@ -11,12 +11,9 @@ RUBBLE_HD inline PairPose pairPose(const SolverData& s, const OrderedPair& o) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   const Real size = pairLength(pa, pb);
   const PairSpeed speed = pairSpeed(s, o.a, o.b, pa, pb);
-  return {s.orientation[o.a],
-          s.orientation[o.b],
-          centerDistance(s, o.a, o.b),
-          size,
-          pairMargin(s, o.a, o.b, size, speed),
-          speed.bullet};
+  return {wholeOf(s.orientation, o.a),          wholeOf(s.orientation, o.b),
+          centerDistance(s, o.a, o.b),          size,
+          pairMargin(s, o.a, o.b, size, speed), speed.bullet};
 }
 
 /// Bounds the speed that an imminent impact may give to a body at rest. Its neighbors then use the detection
@@ -71,7 +68,7 @@ RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth, Rea
 
 /// Displacement of a body at its inertial target.
 RUBBLE_HD inline Displacement targetDisplacement(const SolverData& s, int body) {
-  if (!isDynamic(s, body)) return s.dx[body];
+  if (!isDynamic(s, body)) return wholeOf(s.dx, body);
   const Pose& y = s.target[body].y;
   return {y.p, 0, logRotation(y.q), 0};
 }
