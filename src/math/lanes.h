@@ -33,6 +33,21 @@ RUBBLE_HD inline bool anyOf(bool mask) { return mask; }
 /// Four fields of the points of an L.
 template <class L> struct Quad { L x, y, z, w; };
 
+/// Type of a number that the points of one contact share. Lanes of several contacts hold one of each.
+template <class L> struct PerContactOf { using type = Real; };
+template <class L> using PerContact = typename PerContactOf<L>::type;
+
+#if defined(RUBBLE_HAS_REAL8)
+template <> struct PerContactOf<Real8> { using type = Real8; };
+inline Real8 sqrtOf(Real8 a) {
+  return Real8{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3]),
+               std::sqrt(a[4]), std::sqrt(a[5]), std::sqrt(a[6]), std::sqrt(a[7])};
+}
+inline Real8 absOf(Real8 a) { return select(a < Real8{}, -a, a); }
+inline Real8 minOf(Real8 a, Real8 b) { return select(b < a, b, a); }
+inline Real8 maxOf(Real8 a, Real8 b) { return select(a < b, b, a); }
+#endif
+
 /// Loads and stores the points of an L; with L = Real that of `lane`. Quads are stored point by point, so
 /// that a GPU thread needs one access each; T holds four numbers.
 template <class L> struct LaneAccess {

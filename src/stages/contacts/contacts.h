@@ -389,6 +389,10 @@ template <class L> struct FinishContacts {
   static constexpr const char* kStage = "store";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     UpdateContactDuals<L>{}(s, i);
+    store(s, i);
+  }
+  /// Stores what the dual update has left.
+  RUBBLE_HD static void store(const SolverData& s, int i) {
     const ContactRows& r = s.contact[i];
     Manifold& m = s.manifold[r.manifold];
     const StoredFrame f = storedFrame(s, r);
