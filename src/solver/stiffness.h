@@ -67,14 +67,17 @@ RUBBLE_HD RUBBLE_NEAR L grownBy(const StiffnessRuleT<L>& rule, L k, L error, L m
     return minOf(maxOf(rule.start, absOf(multiplier) * rule.perLoad), rule.limit);
   return minOf(k + rule.beta * absOf(error), rule.limit);
 }
+/// The rule of the points of contacts that have one rule each.
+template <class L>
+RUBBLE_HD RUBBLE_NEAR StiffnessRuleT<L> ruleOfPoints(const StiffnessRuleT<PerContact<L>>& rule) {
+  using A = LaneAccess<L>;
+  return {rule.policy, A::splat(rule.start), A::splat(rule.limit), A::splat(rule.beta), A::splat(rule.perLoad)};
+}
 /// The same for the points of contacts that have one rule each.
 template <class L>
 RUBBLE_HD RUBBLE_NEAR L grownStiffness(const StiffnessRuleT<PerContact<L>>& rule, L k, L error,
                                        L multiplier) {
-  using A = LaneAccess<L>;
-  const StiffnessRuleT<L> each{rule.policy, A::splat(rule.start), A::splat(rule.limit), A::splat(rule.beta),
-                               A::splat(rule.perLoad)};
-  return grownBy(each, k, error, multiplier);
+  return grownBy(ruleOfPoints<L>(rule), k, error, multiplier);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -44,6 +44,12 @@ RUBBLE_NEAR void fetch(const void* begin, std::size_t bytes) {
 }
 /// Prefetches the inputs of a constraint.
 RUBBLE_NEAR void fetchBall(const SolverData& s, std::uint32_t code) {
+#ifdef PF
+  if (constraintType(code) == kContactType) {
+    const char* const p = reinterpret_cast<const char*>(&s.contact[constraintIndex(code)]);
+    prefetch(p), prefetch(p + 64), prefetch(p + 128), prefetch(p + 192);
+  }
+#endif
   if (constraintType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return;
   fetch(&s.jointsOf<BallJoint>()[constraintIndex(code)], sizeof(Joint<BallJoint>));
 }

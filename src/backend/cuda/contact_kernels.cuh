@@ -48,7 +48,7 @@ template <> struct OnDevice<FinishContacts<Real>> { using Type = FinishPoint; };
 
 /// One lane per point. Most manifolds are recycled, and recycling is a copy.
 struct RecycleManifoldByLanes {
-  static constexpr const char* kStage = RecycleManifolds::kStage;
+  static constexpr const char* kStage = RecycleManifolds<Real>::kStage;
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 7;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
@@ -108,10 +108,10 @@ struct RecycleManifoldByLanes {
     reinterpret_cast<float4*>(&to)[tile.lane] = first;
   }
 };
-template <> struct OnDevice<RecycleManifolds> { using Type = RecycleManifoldByLanes; };
+template <> struct OnDevice<RecycleManifolds<Real>> { using Type = RecycleManifoldByLanes; };
 
 struct BuildRowsOfPoint {
-  static constexpr const char* kStage = BuildContactRows::kStage;
+  static constexpr const char* kStage = BuildContactRows<Real>::kStage;
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 8;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
@@ -147,6 +147,6 @@ struct BuildRowsOfPoint {
                                                                   : head[3];
   }
 };
-template <> struct OnDevice<BuildContactRows> { using Type = BuildRowsOfPoint; };
+template <> struct OnDevice<BuildContactRows<Real>> { using Type = BuildRowsOfPoint; };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -26,11 +26,17 @@ RUBBLE_HD inline const Manifold* manifoldBefore(const SolverData& s, int i) {
 /// Stores manifold i and marks its active points. A manifold without active points loses its memory.
 RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair& o, const PairPose& pair,
                                    Manifold m) {
-  const ActivationRule isActivePoint = activationRule(s, o);
-  m.activePoints = 0;
-  for (int k = 0; k < m.count; ++k)
-    if (isActivePoint(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k]))
-      m.activePoints |= static_cast<std::uint8_t>(1u << k);
+  // points that carry load do not need the targets of the bodies
+  unsigned active = 0;
+  for (int k = 0; k < m.count; ++k) active |= (m.lambdaN[k] != Real(0) ? 1u : 0u) << k;
+  if (const unsigned all = (1u << m.count) - 1; active != all) {
+    const ActivationRule isActivePoint = activationRule(s, o);
+    for (int k = 0; k < m.count; ++k)
+      if (isActivePoint(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t),
+                        m.lambdaN[k]))
+        active |= 1u << k;
+  }
+  m.activePoints = static_cast<ManifoldBits>(active);
   if (m.activePoints == 0) forgetPoints(m);
   // a sensor has contact points but no rows
   const bool rows = m.activePoints != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
@@ -57,7 +63,7 @@ RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, cons
 
 /// Narrow phase of active pairs whose relative pose has hardly changed: reuses the previous manifold. All
 /// other pairs are appended to `tested`.
-struct RecycleManifolds {
+template <class L> struct RecycleManifolds {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int pair = s.activePair[i];
@@ -67,7 +73,7 @@ struct RecycleManifolds {
     const Manifold* const old = manifoldBefore(s, i);
     if (keepAsleep(s, i, p, old)) return;
     if (old && mayRecycle(s, o) && recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance))
-      keepManifold(s, i, o, pose, recycledManifold(*old, pose));
+      keepManifold(s, i, o, pose, recycledManifold<L>(*old, pose));
     else
       s.tested[atomicCount(&s.counters->tested, 1)] = i;
   }
@@ -212,53 +218,102 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) 
   return p;
 }
 
-/// Builds the rows of point k in lane `to` of r: geometry, regularized errors, warm start [S 12] [S 17].
-/// Returns whether the point stops a fast approach.
-RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p, int k,
-                                 ContactRows& r, int to) {
-  const OrderedPair& o = p.bodies;
-  const StepConstants c = s.stepOf(o.a);
-  const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
-  const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
-  const bool impact = hits(c, closing, point.depth, r.length), isActive = m.activePoints >> k & 1;
-  if (point.depth > c.contactMargin * r.length) notePressed(s, o, point.depth);
-  if (isActive && r.restitution > Real(0) && s.counters->bounces == 0 && isImpact(c, closing, r.length))
-    atomicRaise(&s.counters->bounces, 1);
+/// Rows of points, in the order of ContactRows, and what else follows from their geometry.
+template <class L> struct PointRows {
+  Quad<L> place, load, slip;
+  L depth, closing;  ///< [m], [m/s]
+};
 
-  const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
-  Real drift1 = stuck ? m.drift1[k] : Real(0), drift2 = stuck ? m.drift2[k] : Real(0);
-  StiffnessRule normal = p.normal;
-  Real most = r.most;
+/// Rows of points of a manifold: geometry, regularized errors, warm start [S 12] [S 17].
+template <class L>
+RUBBLE_HD RUBBLE_NEAR PointRows<L> pointRows(const SolverData& s, const Manifold& m, const PairRows& p,
+                                             const ContactRows& r, int lane) {
+  using A = LaneAccess<L>;
+  const OrderedPair& o = p.bodies;
+  const StepConstants& c = s.stepOf(o.a);
+  const PointsAt<L> point = pointsAt<L>(m, lane, m.normal, p.qa, p.qb, p.t);
+  const L zero = A::splat(0), oldN = A::load(m.kN, lane), oldT = A::load(m.kT, lane);
+  const auto isActive = A::flags(m.activePoints, lane) != zero, stuck = A::flags(m.stick, lane) != zero,
+             isNew = oldN == zero;
+  StiffnessRuleT<L> normal = ruleOfPoints<L>(p.normal);
+  const StiffnessRuleT<L> tangent = ruleOfPoints<L>(p.tangent);
+  L most = A::splat(r.most);
   if (p.bothMove) {
-    normal.limit = contactCeiling(c, p.heavier, r.length, point.depth);
-    most = min(most, normal.limit / normal.perLoad);
+    normal.limit = contactCeiling<L>(c, p.heavier, r.length, point.depth);
+    most = minOf(most, normal.limit / normal.perLoad);
   }
-  const Real lambda = min(warmMultiplier(c, m.lambdaN[k], true), most);
-  Real l1 = warmMultiplier(c, m.lambda1[k], true), l2 = warmMultiplier(c, m.lambda2[k], true);
-  const Real size2 = l1 * l1 + l2 * l2, bound = p.mu * lambda;
-  if (size2 > bound * bound) {
-    const Real cut = bound / std::sqrt(size2);
-    l1 *= cut, l2 *= cut;
-  }
-  const Real kN = !isActive ? Real(0)
-                  : isNew   ? coldStart(normal.start).k
-                            : warmStiffness(c, normal, m.kN[k], lambda);
-  const Real kT = !isActive ? Real(0)
-                  : isNew   ? coldStart(p.tangent.start).k
-                            : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
+  const L lambda = minOf(warmMultiplier(c, A::load(m.lambdaN, lane), true), most);
+  L l1 = warmMultiplier(c, A::load(m.lambda1, lane), true),
+    l2 = warmMultiplier(c, A::load(m.lambda2, lane), true);
+  const L size2 = l1 * l1 + l2 * l2, bound = p.mu * lambda, cut = bound / sqrtOf(size2);
+  const auto beyond = size2 > bound * bound;
+  l1 = select(beyond, l1 * cut, l1), l2 = select(beyond, l2 * cut, l2);
+  const auto stiffness = [&](const StiffnessRuleT<L>& rule, L old, L load) {
+    return select(isActive, select(isNew, rule.start, warmStiffness(c, rule, old, load)), zero);
+  };
+  const L kN = stiffness(normal, oldN, lambda), kT = stiffness(tangent, oldT, sqrtOf(l1 * l1 + l2 * l2));
   // Rows correct only the share driftCorrection of a drift; displacements by surface velocity and settling
   // are corrected in full.
   Vec3 t1, t2;
   tangentBasis(r.n, t1, t2);
   const Real settling1 = dot(t1, p.settling), settling2 = dot(t2, p.settling);
-  const Real share = settlingShare(settling1 * settling1 + settling2 * settling2, bound, kT);
-  drift1 += (dot(t1, p.surfaceShift) + share * settling1) / c.driftCorrection;
-  drift2 += (dot(t2, p.surfaceShift) + share * settling2) / c.driftCorrection;
-  r.place[to] = {point.lever, inheritedViolation(c, point.depth)};
-  r.load[to] = {lambda, l1, l2, kN};
-  r.slip[to] = {c.driftCorrection * drift1, c.driftCorrection * drift2, p.mu, kT};
-  return impact && c.impactRule;
+  const L share = settlingShare(settling1 * settling1 + settling2 * settling2, bound, kT);
+  const auto drift = [&](const Lanes& old, const Vec3& along, Real settling) {
+    return c.driftCorrection *
+           (select(stuck, A::load(old, lane), zero) +
+            (A::splat(dot(along, p.surfaceShift)) + share * settling) / A::splat(c.driftCorrection));
+  };
+  return {{point.lever.x, point.lever.y, point.lever.z, inheritedViolation(c, point.depth)},
+          {lambda, l1, l2, kN},
+          {drift(m.drift1, t1, settling1), drift(m.drift2, t2, settling2), A::splat(p.mu), kT},
+          point.depth,
+          closingSpeed(s, o, r.n, point.lever, p.t)};
 }
+
+/// Does point k stop a fast approach? Notes what that, and its depth, mean for other stages.
+RUBBLE_HD inline bool notePoint(const SolverData& s, const Manifold& m, const PairRows& p,
+                                const ContactRows& r, int k, Real depth, Real closing) {
+  const StepConstants& c = s.stepOf(p.bodies.a);
+  if (depth > c.contactMargin * r.length) notePressed(s, p.bodies, depth);
+  if ((m.activePoints >> k & 1) && r.restitution > Real(0) && s.counters->bounces == 0 &&
+      isImpact(c, closing, r.length))
+    atomicRaise(&s.counters->bounces, 1);
+  return hits(c, closing, depth, r.length) && c.impactRule;
+}
+
+/// Builds the rows of point k in lane `to` of r. Returns whether the point stops a fast approach.
+RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p, int k,
+                                 ContactRows& r, int to) {
+  using A = LaneAccess<Real>;
+  const PointRows<Real> rows = pointRows<Real>(s, m, p, r, k);
+  A::storeQuad(r.place, to, rows.place), A::storeQuad(r.load, to, rows.load);
+  A::storeQuad(r.slip, to, rows.slip);
+  return notePoint(s, m, p, r, k, rows.depth, rows.closing);
+}
+
+#if !defined(__CUDACC__)
+/// Builds the rows of all points. Returns the bits of those that stop a fast approach.
+inline unsigned buildPoints(const SolverData& s, const Manifold& m, const PairRows& p, ContactRows& r) {
+  using A = LaneAccess<Real4>;
+  PointRows<Real4> rows = pointRows<Real4>(s, m, p, r, 0);
+  if (m.count < kLanes) {
+    const Real4 zero = A::splat(0);
+    const auto isUsed = A::flags((1u << m.count) - 1, 0) != zero;
+    for (Quad<Real4>* const quad : {&rows.place, &rows.load, &rows.slip})
+      *quad = {select(isUsed, quad->x, zero), select(isUsed, quad->y, zero), select(isUsed, quad->z, zero),
+               select(isUsed, quad->w, zero)};
+    rows.slip.z = A::splat(p.mu);
+  }
+  A::storeQuad(r.place, 0, rows.place), A::storeQuad(r.load, 0, rows.load);
+  A::storeQuad(r.slip, 0, rows.slip);
+  unsigned impact = 0;
+  for (int k = 0; k < m.count; ++k)
+    if (notePoint(s, m, p, r, k, rows.depth[static_cast<std::size_t>(k)],
+                  rows.closing[static_cast<std::size_t>(k)]))
+      impact |= 1u << k;
+  return impact;
+}
+#endif
 
 /// Does point k touch, up to the gap beyond which a point is inactive?
 RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) {
@@ -275,7 +330,7 @@ RUBBLE_HD inline int joinLevel(const SolverData& s, const ContactRows& r, int im
 }
 
 /// Rows of manifold i at x^t. Inactive points have k = 0.
-struct BuildContactRows {
+template <class L> struct BuildContactRows {
   static constexpr const char* kStage = "rows";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.hasRows[i] == 0) return;
@@ -284,10 +339,15 @@ struct BuildContactRows {
     ContactRows r;
     memset(static_cast<void*>(&r), 0, sizeof r);  // including unused points
     const PairRows p = beginRows(s, i, r);
-    for (PointSlip& slip : r.slip) slip.mu = p.mu;
-    m.impact = 0;
-    for (int k = 0; k < m.count; ++k)
-      if (buildPoint(s, m, p, k, r, k)) m.impact |= static_cast<std::uint8_t>(1u << k);
+    unsigned impact = 0;
+    if constexpr (sizeof(L) == sizeof(Real)) {
+      for (PointSlip& slip : r.slip) slip.mu = p.mu;
+      for (int k = 0; k < m.count; ++k)
+        if (buildPoint(s, m, p, k, r, k)) impact |= 1u << k;
+    } else {
+      impact = buildPoints(s, m, p, r);
+    }
+    m.impact = static_cast<ManifoldBits>(impact);
     s.contact[m.row] = r;
     s.rowBodies[m.row] = {r.a, r.b, i};
     s.joinLevel[m.row] = joinLevel(s, r, m.impact);
