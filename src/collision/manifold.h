@@ -151,8 +151,7 @@ RUBBLE_HD RUBBLE_NEAR PointMemoryT<L> memoriesOf(const Manifold& old, int lane, 
 RUBBLE_HD inline PointMemory memoryOf(const Manifold& old, int k, const Vec3& normal) {
   return memoriesOf<Real>(old, k, normal);
 }
-template <class L>
-RUBBLE_HD RUBBLE_NEAR void remember(Manifold& m, int lane, const PointMemoryT<L>& p) {
+template <class L> RUBBLE_HD RUBBLE_NEAR void remember(Manifold& m, int lane, const PointMemoryT<L>& p) {
   const auto store = [&](Lanes& field, const L& a) { LaneAccess<L>::store(field, lane, a); };
   store(m.lambdaN, p.lambdaN), store(m.lambda1, p.lambda1), store(m.lambda2, p.lambda2);
   store(m.kN, p.kN), store(m.kT, p.kT);

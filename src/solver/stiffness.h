@@ -71,7 +71,8 @@ RUBBLE_HD RUBBLE_NEAR L grownBy(const StiffnessRuleT<L>& rule, L k, L error, L m
 template <class L>
 RUBBLE_HD RUBBLE_NEAR StiffnessRuleT<L> ruleOfPoints(const StiffnessRuleT<PerContact<L>>& rule) {
   using A = LaneAccess<L>;
-  return {rule.policy, A::splat(rule.start), A::splat(rule.limit), A::splat(rule.beta), A::splat(rule.perLoad)};
+  return {rule.policy, A::splat(rule.start), A::splat(rule.limit), A::splat(rule.beta),
+          A::splat(rule.perLoad)};
 }
 /// The same for the points of contacts that have one rule each.
 template <class L>

@@ -2,6 +2,7 @@
 /// Contacts of two bodies or slices, or two contacts, in the lanes of registers of eight numbers. Compiled
 /// where there are such registers; sums have the order and the bits of the stages.
 #include "forces/contact_pair.h"
+#include "platform/prefetch.h"
 #include "stages/coarse/coarse.h"
 
 #if defined(RUBBLE_HAS_REAL8) && defined(__AVX2__)
@@ -10,9 +11,18 @@
 #define RUBBLE_EIGHT_LANES 0
 #endif
 
-#if RUBBLE_EIGHT_LANES
-
 namespace rubble::RUBBLE_CORE {
+
+/// Contacts of a body that are prefetched before they are added.
+inline constexpr int kContactsAhead = 2;
+
+/// Prefetches the rows of a contact.
+RUBBLE_NEAR void fetchContact(const SolverData& s, std::uint32_t code) {
+  const auto* const rows = reinterpret_cast<const char*>(&s.contact[constraintIndex(code)]);
+  for (std::size_t k = 0; k < sizeof(ContactRows); k += 64) prefetch(rows + k);
+}
+
+#if RUBBLE_EIGHT_LANES
 
 inline Block6T<Real4> halfOf(const Block6T<Real8>& block, bool high) {
   Block6T<Real4> half;
@@ -59,7 +69,8 @@ inline void addContactsOfTwo(const SolverData& s, int* next, const int (&end)[2]
         if (next[half] >= end[half]) return false;
         code = s.incidence[next[half]].code;
         if (constraintType(code) != kContactType) return false;
-        ++next[half];
+        if (const int later = next[half]++ + kContactsAhead; later < end[half])
+          fetchContact(s, s.incidence[later].code);
         return true;
       },
       low, high);
@@ -95,6 +106,6 @@ inline void updateTwoDuals(const SolverData& s, int i, int j) {
                      {{&low, &high}, {&s.dx[low.a], &s.dx[high.a]}, {&s.dx[low.b], &s.dx[high.b]}});
 }
 
-}  // namespace rubble::RUBBLE_CORE
-
 #endif
+
+}  // namespace rubble::RUBBLE_CORE

@@ -38,18 +38,8 @@ int accumulateRounds(const SolverData& s, int least, CodeOf&& codeOf, ShiftOf&& 
 inline constexpr int kAhead = 2;
 
 /// Prefetches the first and the last byte of [begin, begin + bytes).
-RUBBLE_NEAR void fetch(const void* begin, std::size_t bytes) {
-  prefetch(begin);
-  prefetch(static_cast<const char*>(begin) + bytes - 1);
-}
 /// Prefetches the inputs of a constraint.
 RUBBLE_NEAR void fetchBall(const SolverData& s, std::uint32_t code) {
-#ifdef PF
-  if (constraintType(code) == kContactType) {
-    const char* const p = reinterpret_cast<const char*>(&s.contact[constraintIndex(code)]);
-    prefetch(p), prefetch(p + 64), prefetch(p + 128), prefetch(p + 192);
-  }
-#endif
   if (constraintType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return;
   fetch(&s.jointsOf<BallJoint>()[constraintIndex(code)], sizeof(Joint<BallJoint>));
 }
@@ -67,7 +57,15 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
   }
   static void prepare(const SolverData& s, const Lane4& body) {
     for (const int i : body)
-      for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) fetchBall(s, s.incidence[k].code);
+      for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) {
+        const std::uint32_t code = s.incidence[k].code;
+        if (constraintType(code) == kContactType) {
+          // further contacts are prefetched while the first ones are added
+          if (k < s.incidenceOffset[i] + kContactsAhead) fetchContact(s, code);
+        } else {
+          fetchBall(s, code);
+        }
+      }
   }
   static void run(const SolverData& s, const Lane4& body) {
     Lane4 count;
