@@ -133,15 +133,13 @@ RUBBLE_HD RUBBLE_NEAR ContactForces<L> contactForces(bool coneHessian, const Con
   return o;
 }
 
-/// Adds forces and Hessians of the points to the block of A (sign -1, lever rA) or B (1, rB):
-/// [[W, -W [r]], [[r] W, -[r] W [r]]] with W = k_n n n^T + tangential part. The block may be about a point
-/// other than the center of the body; the center then lies `shift` from it. Hessians are scaled by `weight`.
+/// Adds forces and Hessians of the points, with levers r, to the block of A (sign -1) or B (1):
+/// [[W, -W [r]], [[r] W, -[r] W [r]]] with W = k_n n n^T + tangential part. Hessians are scaled by `weight`.
 template <class L, class D>
 RUBBLE_HD RUBBLE_NEAR void accumulateContact(bool coneHessian, const ContactFrame<L>& f, PerContact<L> sign,
-                                             const Vec3T<L>& lever, const D& a, const D& b, Block6T<L>& block,
-                                             const Vec3T<PerContact<L>>& shift, Real weight) {
+                                             const Vec3T<L>& r, const D& a, const D& b, Block6T<L>& block,
+                                             Real weight) {
   const ContactForces<L> o = contactForces(coneHessian, f, a, b);
-  const Vec3T<L> r{lever.x + shift.x, lever.y + shift.y, lever.z + shift.z};
   const Vec3T<PerContact<L>>&n = f.n, &t1 = f.t1, &t2 = f.t2;
 
   const L fn = sign * o.fN, f1 = sign * o.t.f1, f2 = sign * o.t.f2;
@@ -150,13 +148,16 @@ RUBBLE_HD RUBBLE_NEAR void accumulateContact(bool coneHessian, const ContactFram
 
   addAtLever(block, r, force, LaneAccess<L>::splat(weight) * pointHessian(n, t1, t2, f.load.w, o.t));
 }
-/// The same for points of one contact.
+/// The same for points of one contact. The block may be about a point other than the center of the body; the
+/// center then lies `shift` from it.
 template <class L>
 RUBBLE_HD void accumulateContact(bool coneHessian, const ContactRows& m, bool onA, const Displacement& a,
                                  const Displacement& b, int lane, Block6T<L>& block,
                                  const Vec3& shift = {0, 0, 0}, Real weight = 1) {
   const ContactFrame<L> f = contactFrame<L>(m, lane);
-  accumulateContact(coneHessian, f, onA ? Real(-1) : Real(1), onA ? f.rA : f.rB, a, b, block, shift, weight);
+  const Vec3T<L>& own = onA ? f.rA : f.rB;
+  const Vec3T<L> r{own.x + shift.x, own.y + shift.y, own.z + shift.z};
+  accumulateContact(coneHessian, f, onA ? Real(-1) : Real(1), r, a, b, block, weight);
 }
 
 /// Stiffness rule of the normal rows of a contact.

@@ -73,12 +73,12 @@ RUBBLE_NEAR ContactFrame<Real8> contactFrame(const ContactPair& pair) {
 
 /// accumulateContact() for two contacts; onA: which body of each.
 RUBBLE_NEAR void accumulateContacts(bool coneHessian, const ContactPair& pair, const bool (&onA)[2],
-                                    Block6T<Real8>& block,
-                                    const Vec3T<Real8>& shift = {Real8{}, Real8{}, Real8{}}) {
+                                    Block6T<Real8>& block, const Vec3T<Real8>* shift = nullptr) {
   const ContactFrame<Real8> f = contactFrame(pair);
   const Real8 sign = LaneAccess<Real8>::splat(onA[0] ? Real(-1) : Real(1), onA[1] ? Real(-1) : Real(1));
-  accumulateContact(coneHessian, f, sign, select(sign < Real8{}, f.rA, f.rB), PairDisplacement(pair.a),
-                    PairDisplacement(pair.b), block, shift, Real(1));
+  const Vec3T<Real8> lever = select(sign < Real8{}, f.rA, f.rB);
+  accumulateContact(coneHessian, f, sign, shift ? lever + *shift : lever, PairDisplacement(pair.a),
+                    PairDisplacement(pair.b), block, Real(1));
 }
 
 /// updateContactDuals() for two contacts of one world.

@@ -13,9 +13,6 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Contacts of a body that are prefetched before they are added.
-inline constexpr int kContactsAhead = 2;
-
 /// Prefetches the rows of a contact.
 RUBBLE_NEAR void fetchContact(const SolverData& s, std::uint32_t code) {
   const auto* const rows = reinterpret_cast<const char*>(&s.contact[constraintIndex(code)]);
@@ -34,7 +31,8 @@ inline Block6T<Real4> halfOf(const Block6T<Real8>& block, bool high) {
 
 /// Adds the contacts of two bodies or slices to their blocks. next(half, code, shift) takes the next contact
 /// of one of them, and leaves `shift` alone if the block is about the center of its body; false: no more.
-template <class Next> void addContacts(const SolverData& s, Next&& next, Block6& low, Block6& high) {
+template <bool shifted, class Next>
+void addContacts(const SolverData& s, Next&& next, Block6& low, Block6& high) {
   // no contact: adds zeros, which leave a sum as it is
   static constexpr ContactRows kNone{};
   static constexpr Displacement kStill{};
@@ -54,8 +52,13 @@ template <class Next> void addContacts(const SolverData& s, Next&& next, Block6&
       onA[half] = constraintSide(code) == 0;
     }
     if (!more[0] && !more[1]) break;
-    const Quad<Real8> both = LaneAccess<Real8>::splatQuad(&shift[0].x, &shift[1].x);
-    accumulateContacts(s.plan.coneHessian, pair, onA, sum, {both.x, both.y, both.z});
+    if constexpr (shifted) {
+      const Quad<Real8> both = LaneAccess<Real8>::splatQuad(&shift[0].x, &shift[1].x);
+      const Vec3T<Real8> shifts{both.x, both.y, both.z};
+      accumulateContacts(s.plan.coneHessian, pair, onA, sum, &shifts);
+    } else {
+      accumulateContacts(s.plan.coneHessian, pair, onA, sum);
+    }
   }
   if (has[0]) addLanes(low, halfOf(sum, false));
   if (has[1]) addLanes(high, halfOf(sum, true));
@@ -63,14 +66,13 @@ template <class Next> void addContacts(const SolverData& s, Next&& next, Block6&
 
 /// Adds the contacts of two bodies, whose incidences are [next, end). Advances `next` to the first joint.
 inline void addContactsOfTwo(const SolverData& s, int* next, const int (&end)[2], Block6& low, Block6& high) {
-  addContacts(
+  addContacts<false>(
       s,
       [&](int half, std::uint32_t& code, PaddedVec3&) {
         if (next[half] >= end[half]) return false;
         code = s.incidence[next[half]].code;
         if (constraintType(code) != kContactType) return false;
-        if (const int later = next[half]++ + kContactsAhead; later < end[half])
-          fetchContact(s, s.incidence[later].code);
+        ++next[half];
         return true;
       },
       low, high);
@@ -80,7 +82,7 @@ inline void addContactsOfTwo(const SolverData& s, int* next, const int (&end)[2]
 inline void addBoundaryContactsOfTwo(const SolverData& s, const int* slice, Block6& low, Block6& high) {
   int k[2] = {s.boundaryOffset[slice[0]], s.boundaryOffset[slice[1]]};
   const int end[2] = {s.boundaryOffset[slice[0] + 1], s.boundaryOffset[slice[1] + 1]};
-  addContacts(
+  addContacts<true>(
       s,
       [&](int half, std::uint32_t& code, PaddedVec3& shift) {
         while (k[half] < end[half] && constraintType(s.boundary[k[half]]) != kContactType) ++k[half];

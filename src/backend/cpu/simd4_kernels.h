@@ -59,12 +59,10 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
     for (const int i : body)
       for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) {
         const std::uint32_t code = s.incidence[k].code;
-        if (constraintType(code) == kContactType) {
-          // further contacts are prefetched while the first ones are added
-          if (k < s.incidenceOffset[i] + kContactsAhead) fetchContact(s, code);
-        } else {
+        if (constraintType(code) == kContactType)
+          fetchContact(s, code);
+        else
           fetchBall(s, code);
-        }
       }
   }
   static void run(const SolverData& s, const Lane4& body) {

@@ -3,10 +3,9 @@
 /// step.
 #include "collision/sweep.h"
 #include "solver/warmstart.h"
-#include "stages/bodies/corrections.h"
 #include "stages/coarse/cells.h"
 #include "stages/contacts/materials.h"
-#include "stages/contacts/rolled.h"
+#include "stages/contacts/stored_points.h"
 #include "stages/pairs/active_pairs.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -365,85 +364,6 @@ template <class L> struct UpdateContactDuals {
   }
 };
 
-/// Rotations and tangents for storing the points of a contact.
-struct StoredFrame {
-  Displacement a, b;
-  Quat rotationA, rotationB;
-  Vec3 t1, t2;
-};
-RUBBLE_HD inline StoredFrame storedFrame(const SolverData& s, const ContactRows& r) {
-  StoredFrame f;
-  f.a = s.dx[r.a], f.b = s.dx[r.b];
-  f.rotationA = expRotation(f.a.dw), f.rotationB = expRotation(f.b.dw);
-  tangentBasis(r.n, f.t1, f.t2);
-  return f;
-}
-
-/// State of a point at the beginning of the step: the multipliers, which are set for impacts alone, and the
-/// drift since it stuck.
-struct PointBefore {
-  Vec3 lambda{0, 0, 0};
-  Real drift1 = 0, drift2 = 0;
-};
-RUBBLE_HD inline Vec3 multipliersBefore(const Manifold& m, int k) {
-  return {m.lambdaN[k], m.lambda1[k], m.lambda2[k]};
-}
-RUBBLE_HD inline PointBefore pointBefore(const Manifold& m, int k, bool impact) {
-  PointBefore before;
-  if (impact) before.lambda = multipliersBefore(m, k);
-  if (m.stick >> k & 1) before.drift1 = m.drift1[k], before.drift2 = m.drift2[k];
-  return before;
-}
-/// Saves the multipliers with which point k of rows i began the step, if any contact may bounce (bounce.h).
-RUBBLE_HD inline void noteBefore(const SolverData& s, int i, const Manifold& m, int k) {
-  if (i < s.counters->bounceRows) s.bounce[i].before[k] = multipliersBefore(m, k);
-}
-
-/// State that point k passes to the next step, and whether it sticks. An impact passes on the multipliers
-/// from `before` it, not its own.
-struct StoredPoint {
-  PointMemory memory;
-  bool sticks;
-};
-RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows& r, const StoredFrame& f,
-                                         int k, bool impact, const PointBefore& before) {
-  const PointLoad load = r.load[k];
-  const PointSlip slip = r.slip[k];
-  const Vec3 lambda = impact ? before.lambda : Vec3{load.lambdaN, load.lambda1, load.lambda2};
-  const bool active = load.kN > Real(0);
-  PointMemory m{lambda.x,
-                lambda.y,
-                lambda.z,
-                active ? load.kN : r.start,
-                active ? slip.kT : r.start * s.step->tangentStiffness,
-                0,
-                0};
-  // a point slips if its tangential force is on the cone
-  const Real lt2 = load.lambda1 * load.lambda1 + load.lambda2 * load.lambda2, bound = slip.mu * load.lambdaN;
-  const bool stuck = load.lambdaN > Real(0) && lt2 < bound * bound * (Real(1) - Real(1e-5));
-  if (!stuck) {
-    if (r.muStatic == r.muDynamic) return {m, false};
-    // a slipping point passes on the drift that its row has not corrected, which is its slip
-    const Vec3 rA = r.place[k].rA, d = (f.a.dp + cross(f.a.dw, rA)) - (f.b.dp + cross(f.b.dw, rA + r.offset));
-    m.drift1 = slip.drift1 + dot(f.t1, d);
-    m.drift2 = slip.drift2 + dot(f.t2, d);
-    return {m, false};
-  }
-  // exact rotations here: errors of the linearized ones would accumulate from step to step
-  const Vec3 rA = r.place[k].rA;
-  const Vec3 dA = f.a.dp + sweptBy(s, r.a, f.a.dw, f.rotationA, rA, r.n);
-  const Vec3 d = dA - (f.b.dp + sweptBy(s, r.b, f.b.dw, f.rotationB, rA + r.offset, -r.n));
-  // the offsets that the row had for surface velocity and settling are no drift; the surface's motion is
-  m.drift1 = before.drift1 + dot(f.t1, d);
-  m.drift2 = before.drift2 + dot(f.t2, d);
-  if (s.surfaces > 0) {
-    const Vec3 surfaceShift = pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).surfaceShift;
-    m.drift1 += dot(f.t1, surfaceShift);
-    m.drift2 += dot(f.t2, surfaceShift);
-  }
-  return {m, true};
-}
-
 /// The last dual update; stores the state that the points pass to the next step.
 template <class L> struct FinishContacts {
   static constexpr const char* kStage = "store";
@@ -453,28 +373,27 @@ template <class L> struct FinishContacts {
   }
   /// Stores what the dual update has left.
   RUBBLE_HD static void store(const SolverData& s, int i) {
-    const ContactRows& r = s.contact[i];
-    Manifold& m = s.manifold[r.manifold];
-    const StoredFrame f = storedFrame(s, r);
-    std::uint8_t stick = 0;
-    // sums in the order in which four lanes are added
-    static_assert(kLanes == 4);
-    PointSupport even, odd;
-    for (int k = 0; k < m.count; ++k) {
-      const bool impact = m.impact >> k & 1;
-      const PointBefore before = pointBefore(m, k, impact);
-      noteBefore(s, i, m, k);
-      const StoredPoint point = storedPoint(s, r, f, k, impact, before);
-      remember(m, k, point.memory);
-      if (point.sticks) stick |= static_cast<std::uint8_t>(1u << k);
-      const PointSupport own = pointSupport(s, r, f.t1, f.t2, k, !impact);
-      if (k % 2 == 0)
-        even = even + own;
-      else
-        odd = odd + own;
+    if constexpr (sizeof(L) > sizeof(Real)) {
+      storePoints(s, i);
+    } else {
+      const ContactRows& r = s.contact[i];
+      Manifold& m = s.manifold[r.manifold];
+      const StoredFrame f = storedFrame(s, r);
+      unsigned stick = 0;
+      PointSupport even, odd;
+      for (int k = 0; k < m.count; ++k) {
+        const bool impact = m.impact >> k & 1;
+        const PointBefore before = pointBefore(m, k, impact);
+        noteBefore(s, i, m, k);
+        const StoredPoint point = storedPoint(s, r, f, k, impact, before);
+        remember(m, k, point.memory);
+        if (point.sticks) stick |= 1u << k;
+        PointSupport& sum = k % 2 == 0 ? even : odd;
+        sum = sum + pointSupport(s, r, f.t1, f.t2, k, !impact);
+      }
+      m.stick = static_cast<ManifoldBits>(stick);
+      s.support[i] = supportOf(r, even + odd);
     }
-    m.stick = stick;
-    s.support[i] = supportOf(r, even + odd);
   }
 };
 
