@@ -299,7 +299,9 @@ TEST(ContactPair, ARowOfZerosAddsZeros) {
   accumulateContacts(true, {{&x.rows, &none}, {&a, &still}, {&b, &still}}, {true, true}, both);
   const auto* const lanes = reinterpret_cast<const Real*>(&both);
   for (int k = 0; k < 27 * 8; ++k)
-    if (k % 8 >= kLanes) EXPECT_EQ(lanes[k], 0) << k;
+    if (k % 8 >= kLanes) {
+      EXPECT_EQ(lanes[k], 0) << k;
+    }
 }
 
 #endif
