@@ -88,12 +88,12 @@ Ordered fieldsJson(const std::vector<ForceField>& fields) {
 
 Ordered infoJson() {
   const BuildInfo build = buildInfo();
-  Ordered json{{"version", build.version},      {"commit", build.commit},
-               {"compiler", build.compiler},    {"precision", build.precision},
-               {"features", build.features},    {"backends", backends()},
-               {"cuda", cudaStatus()},          {"opengl", render::openglStatus()},
-               {"forces", Ordered::array()},    {"deformables", Ordered::array()},
-               {"parameters", Ordered::array()}};
+  Ordered json{{"version", build.version},       {"commit", build.commit},
+               {"compiler", build.compiler},     {"precision", build.precision},
+               {"features", build.features},     {"backends", backends()},
+               {"cuda", cudaStatus()},           {"opengl", render::openglStatus()},
+               {"forces", Ordered::array()},     {"deformables", Ordered::array()},
+               {"parameters", Ordered::array()}, {"instruction_sets", instructionSets()}};
   for (const ForceInfo& force : forceInfos())
     json["forces"].push_back({{"name", force.name},
                               {"doc", force.doc},

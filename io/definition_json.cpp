@@ -235,6 +235,7 @@ WorldOptions parseOptions(const std::string& text, const std::string& path) {
       out.params = Params::of(static_cast<Preset>(found->choice({"engine", "paper", "demo3d"}).value_or(0)));
     object.read("timings", out.timings);
     object.read("events", out.events);
+    object.read("instruction_set", out.instructionSet);
     readParameters(object, out.params);
     object.finish();
   });

@@ -51,7 +51,8 @@ AttachmentDef parseAttachment(const std::string& text, const std::string& path =
 /// A rod: keys like the members of RodDef, in snake case. "start" and "end" are indices into the bodies of
 /// the scene, or "world".
 RodDef parseRod(const std::string& text, const std::string& path = "rod");
-/// "backend", "threads", "preset", "timings", "events", and parameters by name (snake case).
+/// "backend", "threads", "preset", "timings", "events", "instruction_set", and parameters by name
+/// (snake case).
 WorldOptions parseOptions(const std::string& text, const std::string& path = "options");
 /// Parameters by name (snake case) that replace those of `params`.
 void parseParams(const std::string& text, Params& params, const std::string& path = "params");

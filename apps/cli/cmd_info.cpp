@@ -64,6 +64,8 @@ void printBuild() {
              build.features.empty() ? "none" : fmt::format("{}", fmt::join(build.features, ", ")));
   for (const auto& [name, state] : pictureFeatures()) fmt::print("{:<12}{}\n", name, state);
   fmt::print("{:<12}{}\n", "backends", fmt::join(backends(), ", "));
+  const std::vector<std::string> sets = instructionSets();
+  fmt::print("{:<12}{} (of {})\n", "steps with", sets.back(), fmt::join(sets, ", "));
 }
 
 void printMetrics() {

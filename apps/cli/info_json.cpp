@@ -89,7 +89,8 @@ std::string buildJson() {
                          {"precision", build.precision},
                          {"features", build.features},
                          {"drawing", std::move(drawing)},
-                         {"backends", backends()}});
+                         {"backends", backends()},
+                         {"instruction_sets", instructionSets()}});
 }
 
 std::string metricsJson() {

@@ -44,6 +44,10 @@ struct BuildInfo {
 
 BuildInfo buildInfo();
 
+/// Names of the instruction sets that steps on a CPU are compiled for and that this processor has: "baseline"
+/// (that of the build), then "avx2". The last one runs unless WorldOptions::instructionSet names another.
+std::vector<std::string> instructionSets();
+
 /// Availability of the CUDA backend on this machine, with the device or the reason: "on: NVIDIA H200, ...",
 /// "off: built without CUDA", "off: no device found".
 std::string cudaStatus();

@@ -86,6 +86,8 @@ struct WorldOptions {
   LogSink log = {};  ///< empty: no log
   /// "cpu", "reference" and Worlds of them: a scheduler of the host, in place of `threads`.
   TaskSystem tasks = {};
+  /// Of a CPU: one of instructionSets() (rubble/info.h); empty: the last of them. All give the same bits.
+  std::string instructionSet = {};
 };
 
 /// The complete state of a world. A restored world continues bit for bit, if its backend is the same. The

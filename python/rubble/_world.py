@@ -129,7 +129,8 @@ class World(StateArrays, Queries, View):
         backend: "cpu", "cuda", "reference" (double precision) or another of ``rubble.info()["backends"]``.
         threads: 0: one per core.
         events: Collect the events of each step.
-        options: "preset", "timings" and parameters by name: dt [s], iterations, substeps, sleeping.
+        options: "preset", "timings", "instruction_set" and parameters by name: dt [s], iterations, substeps,
+            sleeping.
     Raises:
         Error: For an invalid scene or option.
 

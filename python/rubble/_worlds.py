@@ -43,7 +43,8 @@ class Worlds:
         backend: "cpu", "reference" (double precision), or another of `info()`.
         threads: 0: one per core.
         events: Collect the events of each step.
-        options: "preset", "timings" and parameters by name: dt [s], iterations, substeps, sleeping.
+        options: "preset", "timings", "instruction_set" and parameters by name: dt [s], iterations, substeps,
+            sleeping.
     Raises:
         Error: For an invalid scene or option.
 

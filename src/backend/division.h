@@ -90,12 +90,13 @@ struct DividedLevel : DividedBy<Cut::LevelNodes> {
 template <> struct Divided<FindImpactSpeedBounds> : DividedBy<Cut::Whole, Share::Owners> {};
 template <> struct Divided<FindActivePairs> : DividedBy<Cut::Pairs> {};
 template <> struct Divided<TestNewPairs> : DividedBy<Cut::Whole, Share::None, Share::Activity> {};
-template <> struct Divided<RecycleManifolds> : DividedBy<Cut::ActivePairs> {};
+template <class L> struct Divided<RecycleManifolds<L>> : DividedBy<Cut::ActivePairs> {};
 template <> struct Divided<TestPairs> : DividedBy<Cut::Tested> {};
 template <> struct Divided<TestGeneralPairs> : DividedBy<Cut::Tested> {};
 template <> struct Divided<DecideOneWay> : DividedBy<Cut::ActivePairs> {};
 template <> struct Divided<BuildRolling> : DividedBy<Cut::ActivePairs> {};
-template <> struct Divided<BuildContactRows> : DividedBy<Cut::ActivePairs, Share::None, Share::Rows> {};
+template <class L>
+struct Divided<BuildContactRows<L>> : DividedBy<Cut::ActivePairs, Share::None, Share::Rows> {};
 template <class L> struct Divided<UpdateContactDuals<L>> : DividedBy<Cut::Rows, Share::NodePoses> {};
 template <> struct Divided<UpdateRollingDuals> : DividedBy<Cut::Rows> {};
 template <class L> struct Divided<FinishContacts<L>> : DividedBy<Cut::OwnRows> {};

@@ -120,20 +120,29 @@ bool cudaReady();
 /// Null unless cudaReady(). `timings`: measure stage times.
 std::unique_ptr<Engine> makeCudaEngine(bool timings);
 
+/// Options of an engine whose steps run on a processor.
+struct CpuOptions {
+  int threads = 0;      ///< 0: one per core
+  bool timings = true;  ///< measure stage times
+  /// Steps with the instructions of AVX2, which the build and the processor have.
+  bool avx2 = false;
+  TaskSystem tasks = {};  ///< run all loops, if given
+};
+
 namespace f32 {
 /// Hash of the names and element sizes of all kept arrays: states of equal layouts may be exchanged.
 std::uint64_t tableLayout();
-std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings, TaskSystem tasks = {});
-/// Two engines of this precision, compared after every kernel.
+std::unique_ptr<Engine> makeCpuEngine(const CpuOptions& options);
 /// Ranks as threads, or one rank of the processes that share the world.
-std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, int threads, bool timings);
+std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, const CpuOptions& options);
+/// Two engines of this precision, compared after every kernel.
 std::unique_ptr<Engine> makeLockstepEngine(std::unique_ptr<Engine> a, std::unique_ptr<Engine> b);
 }  // namespace f32
 namespace f64 {
 /// Declared in tables/soft_queries.h too.
 std::vector<std::vector<EngineHit>> softHits(const EngineQueries& asked, const EngineSoftTargets& targets);
 std::uint64_t tableLayout();
-std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings, TaskSystem tasks = {});
+std::unique_ptr<Engine> makeCpuEngine(const CpuOptions& options);
 }  // namespace f64
 
 }  // namespace rubble

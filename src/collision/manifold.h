@@ -132,22 +132,30 @@ RUBBLE_HD inline Manifold newManifold(const RawManifold& raw, const PairPose& pa
 
 /// State of a point that is carried to the next step. Tangential vectors keep the part of their world
 /// direction that lies in the new tangent plane.
-struct PointMemory {
-  Real lambdaN, lambda1, lambda2, kN, kT, drift1, drift2;
-};
-RUBBLE_HD inline PointMemory memoryOf(const Manifold& old, int k, const Vec3& normal) {
+template <class L> struct PointMemoryT { L lambdaN, lambda1, lambda2, kN, kT, drift1, drift2; };
+using PointMemory = PointMemoryT<Real>;
+template <class L>
+RUBBLE_HD RUBBLE_NEAR PointMemoryT<L> memoriesOf(const Manifold& old, int lane, const Vec3& normal) {
   Vec3 o1, o2, t1, t2;
   tangentBasis(old.normal, o1, o2);
   tangentBasis(normal, t1, t2);
-  const Vec3 lambda = o1 * old.lambda1[k] + o2 * old.lambda2[k];
-  const Vec3 drift = o1 * old.drift1[k] + o2 * old.drift2[k];
-  return {old.lambdaN[k], dot(t1, lambda), dot(t2, lambda), old.kN[k],
-          old.kT[k],      dot(t1, drift),  dot(t2, drift)};
+  const auto of = [&](const Lanes& field) { return LaneAccess<L>::load(field, lane); };
+  const auto inWorld = [&](L a, L b) {
+    return Vec3T<L>{o1.x * a + o2.x * b, o1.y * a + o2.y * b, o1.z * a + o2.z * b};
+  };
+  const Vec3T<L> lambda = inWorld(of(old.lambda1), of(old.lambda2)),
+                 drift = inWorld(of(old.drift1), of(old.drift2));
+  return {of(old.lambdaN), along<L>(t1, lambda), along<L>(t2, lambda), of(old.kN),
+          of(old.kT),      along<L>(t1, drift),  along<L>(t2, drift)};
 }
-RUBBLE_HD inline void remember(Manifold& m, int k, const PointMemory& p) {
-  m.lambdaN[k] = p.lambdaN, m.lambda1[k] = p.lambda1, m.lambda2[k] = p.lambda2;
-  m.kN[k] = p.kN, m.kT[k] = p.kT;
-  m.drift1[k] = p.drift1, m.drift2[k] = p.drift2;
+RUBBLE_HD inline PointMemory memoryOf(const Manifold& old, int k, const Vec3& normal) {
+  return memoriesOf<Real>(old, k, normal);
+}
+template <class L> RUBBLE_HD RUBBLE_NEAR void remember(Manifold& m, int lane, const PointMemoryT<L>& p) {
+  const auto store = [&](Lanes& field, const L& a) { LaneAccess<L>::store(field, lane, a); };
+  store(m.lambdaN, p.lambdaN), store(m.lambda1, p.lambda1), store(m.lambda2, p.lambda2);
+  store(m.kN, p.kN), store(m.kT, p.kT);
+  store(m.drift1, p.drift1), store(m.drift2, p.drift2);
 }
 
 /// Copies the state of point `from` of `old` to point `to`.
@@ -168,11 +176,22 @@ RUBBLE_HD inline Vec3 turnedNormal(const Manifold& old, const PairPose& pair) {
 }
 
 /// The old manifold, reused for a pair that hardly moved.
-RUBBLE_HD inline Manifold recycledManifold(const Manifold& old, const PairPose& pair) {
+template <class L> RUBBLE_HD Manifold recycledManifold(const Manifold& old, const PairPose& pair) {
   Manifold m = old;
   m.normal = turnedNormal(old, pair);
-  m.stick = 0;
-  for (int k = 0; k < m.count; ++k) transferLoad(old, k, m, k);
+  const unsigned used = (1u << m.count) - 1;
+  for (int lane = 0; lane < m.count; lane += static_cast<int>(sizeof(L) / sizeof(Real))) {
+    PointMemoryT<L> memory = memoriesOf<L>(old, lane, m.normal);
+    // zeros of unused points keep their sign
+    const auto isUsed = LaneAccess<L>::flags(used, lane) != LaneAccess<L>::splat(0);
+    const auto keep = [&](L& a, const Lanes& before) {
+      a = select(isUsed, a, LaneAccess<L>::load(before, lane));
+    };
+    keep(memory.lambda1, old.lambda1), keep(memory.lambda2, old.lambda2);
+    keep(memory.drift1, old.drift1), keep(memory.drift2, old.drift2);
+    remember(m, lane, memory);
+  }
+  m.stick = static_cast<ManifoldBits>(old.stick & used);
   m.row = -1;
   m.impact = 0;
   m.recycled = true, m.passes = false;

@@ -70,101 +70,131 @@ template <class L> struct ContactForces {
   TangentForce<L> t;
 };
 
-/// The points of a manifold as SIMD lanes, with their common tangents. load: lambdaN, lambda1, lambda2, kN.
+/// The points of a manifold as SIMD lanes, with normal and tangents. load: lambdaN, lambda1, lambda2, kN.
 /// slip: drift1, drift2, mu, kT.
 template <class L> struct ContactFrame {
-  Vec3 t1, t2;
+  using C = PerContact<L>;
+  Vec3T<C> n, t1, t2;
+  C most;  ///< largest normal force of a point [N]
   Vec3T<L> rA, rB;
   L c0;
   Quad<L> load, slip;
 };
 
-template <class L> RUBBLE_HD ContactFrame<L> contactFrame(const ContactRows& m, int lane) {
-  using A = LaneAccess<L>;
-  const Quad<L> place = A::loadQuad(m.place, lane);
+/// `normal`: n and `most`. `offset`: p_A - p_B at x^t [m].
+template <class L>
+RUBBLE_HD RUBBLE_NEAR ContactFrame<L> contactFrame(const Quad<PerContact<L>>& normal,
+                                                   const Vec3T<PerContact<L>>& offset, const Quad<L>& place,
+                                                   const Quad<L>& load, const Quad<L>& slip) {
   ContactFrame<L> f;
-  f.load = A::loadQuad(m.load, lane), f.slip = A::loadQuad(m.slip, lane);
-  tangentBasis(m.n, f.t1, f.t2);
+  f.n = {normal.x, normal.y, normal.z}, f.most = normal.w;
+  f.load = load, f.slip = slip;
+  tangentBasis(f.n, f.t1, f.t2);
   f.rA = {place.x, place.y, place.z};
-  f.rB = {f.rA.x + m.offset.x, f.rA.y + m.offset.y, f.rA.z + m.offset.z};
+  f.rB = {f.rA.x + offset.x, f.rA.y + offset.y, f.rA.z + offset.z};
   f.c0 = place.w;
   return f;
 }
-
-/// d_A - d_B
-template <class L>
-RUBBLE_HD Vec3T<L> relativeDisplacement(const ContactFrame<L>& f, const Displacement& a,
-                                        const Displacement& b) {
+template <class L> RUBBLE_HD RUBBLE_NEAR ContactFrame<L> contactFrame(const ContactRows& m, int lane) {
   using A = LaneAccess<L>;
-  const auto at = [](const Vec3& dw, const Vec3T<L>& r) {
+  return contactFrame<L>({m.n.x, m.n.y, m.n.z, m.most}, m.offset, A::loadQuad(m.place, lane),
+                         A::loadQuad(m.load, lane), A::loadQuad(m.slip, lane));
+}
+
+/// d_A - d_B. D: Displacement, or its dp and dw for each contact.
+template <class L, class D>
+RUBBLE_HD RUBBLE_NEAR Vec3T<L> relativeDisplacement(const ContactFrame<L>& f, const D& a, const D& b) {
+  using A = LaneAccess<L>;
+  using C = PerContact<L>;
+  const auto at = [](const Vec3T<C>& dw, const Vec3T<L>& r) {
     return Vec3T<L>{dw.y * r.z - dw.z * r.y, dw.z * r.x - dw.x * r.z, dw.x * r.y - dw.y * r.x};
   };
-  const Vec3 dp = a.dp - b.dp;
+  const Vec3T<C> dp = a.dp - b.dp;
   const Vec3T<L> turn = at(a.dw, f.rA) - at(b.dw, f.rB);
   return {A::splat(dp.x) + turn.x, A::splat(dp.y) + turn.y, A::splat(dp.z) + turn.z};
 }
 
-template <class L> RUBBLE_HD L along(const Vec3& u, const Vec3T<L>& d) {
+template <class L> RUBBLE_HD RUBBLE_NEAR L along(const Vec3T<PerContact<L>>& u, const Vec3T<L>& d) {
   return u.x * d.x + u.y * d.y + u.z * d.z;
 }
 
 /// Errors and bounded forces at the given displacements.
-template <class L>
-RUBBLE_HD ContactForces<L> contactForces(bool coneHessian, const ContactRows& m, const ContactFrame<L>& f,
-                                         const Displacement& a, const Displacement& b) {
+template <class L, class D>
+RUBBLE_HD RUBBLE_NEAR ContactForces<L> contactForces(bool coneHessian, const ContactFrame<L>& f, const D& a,
+                                                     const D& b) {
   using A = LaneAccess<L>;
   const Vec3T<L> d = relativeDisplacement(f, a, b);
   ContactForces<L> o;
-  o.cN = f.c0 + along(m.n, d);
-  o.c1 = f.slip.x + along(f.t1, d);
-  o.c2 = f.slip.y + along(f.t2, d);
-  o.fN = minOf(maxOf(f.load.w * o.cN + f.load.x, A::splat(0)), A::splat(m.most));
+  o.cN = f.c0 + along<L>(f.n, d);
+  o.c1 = f.slip.x + along<L>(f.t1, d);
+  o.c2 = f.slip.y + along<L>(f.t2, d);
+  o.fN = minOf(maxOf(f.load.w * o.cN + f.load.x, A::splat(0)), A::splat(f.most));
   o.t = frictionForce(f.slip.w, o.c1, o.c2, f.load.y, f.load.z, o.fN, f.slip.z, f.slip.z, coneHessian);
   return o;
 }
 
-/// Adds forces and Hessians of the points to the block of A (onA) or B:
-/// [[W, -W [r]], [[r] W, -[r] W [r]]] with W = k_n n n^T + tangential part. The block may be about a point
-/// other than the center of the body; the center then lies `shift` from it. Hessians are scaled by `weight`.
-template <class L>
-RUBBLE_HD void accumulateContact(bool coneHessian, const ContactRows& m, bool onA, const Displacement& a,
-                                 const Displacement& b, int lane, Block6T<L>& block,
-                                 const Vec3& shift = {0, 0, 0}, Real weight = 1) {
-  const ContactFrame<L> f = contactFrame<L>(m, lane);
-  const ContactForces<L> o = contactForces(coneHessian, m, f, a, b);
-  const Vec3T<L>& own = onA ? f.rA : f.rB;
-  const Vec3T<L> r{own.x + shift.x, own.y + shift.y, own.z + shift.z};
-  const Vec3 &n = m.n, &t1 = f.t1, &t2 = f.t2;
+/// Adds forces and Hessians of the points, with levers r, to the block of A (sign -1) or B (1):
+/// [[W, -W [r]], [[r] W, -[r] W [r]]] with W = k_n n n^T + tangential part. Hessians are scaled by `weight`.
+template <class L, class D>
+RUBBLE_HD RUBBLE_NEAR void accumulateContact(bool coneHessian, const ContactFrame<L>& f, PerContact<L> sign,
+                                             const Vec3T<L>& r, const D& a, const D& b, Block6T<L>& block,
+                                             Real weight) {
+  const ContactForces<L> o = contactForces(coneHessian, f, a, b);
+  const Vec3T<PerContact<L>>&n = f.n, &t1 = f.t1, &t2 = f.t2;
 
-  const Real sign = onA ? Real(-1) : Real(1);
   const L fn = sign * o.fN, f1 = sign * o.t.f1, f2 = sign * o.t.f2;
   const Vec3T<L> force{n.x * fn + t1.x * f1 + t2.x * f2, n.y * fn + t1.y * f1 + t2.y * f2,
                        n.z * fn + t1.z * f1 + t2.z * f2};
 
   addAtLever(block, r, force, LaneAccess<L>::splat(weight) * pointHessian(n, t1, t2, f.load.w, o.t));
 }
+/// The same for points of one contact. The block may be about a point other than the center of the body; the
+/// center then lies `shift` from it.
+template <class L>
+RUBBLE_HD void accumulateContact(bool coneHessian, const ContactRows& m, bool onA, const Displacement& a,
+                                 const Displacement& b, int lane, Block6T<L>& block,
+                                 const Vec3& shift = {0, 0, 0}, Real weight = 1) {
+  const ContactFrame<L> f = contactFrame<L>(m, lane);
+  const Vec3T<L>& own = onA ? f.rA : f.rB;
+  const Vec3T<L> r{own.x + shift.x, own.y + shift.y, own.z + shift.z};
+  accumulateContact(coneHessian, f, onA ? Real(-1) : Real(1), r, a, b, block, weight);
+}
+
+/// Stiffness rule of the normal rows of a contact.
+RUBBLE_HD inline StiffnessRule normalRule(const StepConstants& c, const ContactRows& m) {
+  StiffnessRule rule = contactRule(c, m.start, m.length);
+  rule.perLoad = m.perLoad;
+  return rule;
+}
+
+/// Multipliers and stiffnesses of points after a dual update, as in ContactFrame.
+template <class L> struct ContactDuals { Quad<L> load, slip; };
 
 /// The dual update [S 13], [S 14] of the points: the normal force, the friction cone that follows from it,
-/// then both stiffnesses.
-template <class L>
-RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const Displacement& a,
-                                  const Displacement& b, int lane) {
+/// then both stiffnesses. `length`: of ContactRows [m].
+template <class L, class D>
+RUBBLE_HD RUBBLE_NEAR ContactDuals<L> contactDuals(const StepConstants& c, const ContactFrame<L>& f,
+                                                   const StiffnessRuleT<PerContact<L>>& normal,
+                                                   PerContact<L> length, const D& a, const D& b) {
   using A = LaneAccess<L>;
-  const ContactFrame<L> f = contactFrame<L>(m, lane);
-  const ContactForces<L> o = contactForces(false, m, f, a, b);  // without Hessians
+  const ContactForces<L> o = contactForces(false, f, a, b);  // without Hessians
   const L kN = f.load.w, kT = f.slip.w;
   const auto sticks = o.t.inside > A::splat(0);
-
-  StiffnessRule normal = contactRule(c, m.start, m.length);
-  normal.perLoad = m.perLoad;
-  const StiffnessRule tangent = tangentRule(c, normal);
+  const auto tangent = tangentRule(c, normal);
   const L grownN = grownStiffness(normal, kN, o.cN, o.fN);
   const L grownT = grownStiffness(tangent, kT, sqrtOf(o.c1 * o.c1 + o.c2 * o.c2),
                                   sqrtOf(o.t.f1 * o.t.f1 + o.t.f2 * o.t.f2));
   const auto loaded = o.fN > A::splat(0);
-  const L ceiling = contactCeiling(c, m.start, (Real(1) - c.alpha) * m.length, f.c0);
-  A::storeQuad(m.load, lane, {o.fN, o.t.f1, o.t.f2, select(loaded, minOf(grownN, maxOf(kN, ceiling)), kN)});
-  A::storeQuad(m.slip, lane, {f.slip.x, f.slip.y, f.slip.z, select(loaded, select(sticks, grownT, kT), kT)});
+  const L ceiling = contactCeiling(c, normal.start, (Real(1) - c.alpha) * length, f.c0);
+  return {{o.fN, o.t.f1, o.t.f2, select(loaded, minOf(grownN, maxOf(kN, ceiling)), kN)},
+          {f.slip.x, f.slip.y, f.slip.z, select(loaded, select(sticks, grownT, kT), kT)}};
+}
+template <class L>
+RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const Displacement& a,
+                                  const Displacement& b, int lane) {
+  const ContactDuals<L> duals = contactDuals(c, contactFrame<L>(m, lane), normalRule(c, m), m.length, a, b);
+  LaneAccess<L>::storeQuad(m.load, lane, duals.load);
+  LaneAccess<L>::storeQuad(m.slip, lane, duals.slip);
 }
 
 }  // namespace rubble::RUBBLE_CORE

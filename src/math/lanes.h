@@ -33,12 +33,29 @@ RUBBLE_HD inline bool anyOf(bool mask) { return mask; }
 /// Four fields of the points of an L.
 template <class L> struct Quad { L x, y, z, w; };
 
+/// Type of a number that the points of one contact share. Lanes of several contacts hold one of each.
+template <class L> struct PerContactOf { using type = Real; };
+template <class L> using PerContact = typename PerContactOf<L>::type;
+
+#if defined(RUBBLE_HAS_REAL8)
+template <> struct PerContactOf<Real8> { using type = Real8; };
+inline Real8 sqrtOf(Real8 a) {
+  return Real8{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3]),
+               std::sqrt(a[4]), std::sqrt(a[5]), std::sqrt(a[6]), std::sqrt(a[7])};
+}
+inline Real8 absOf(Real8 a) { return select(a < Real8{}, -a, a); }
+inline Real8 minOf(Real8 a, Real8 b) { return select(b < a, b, a); }
+inline Real8 maxOf(Real8 a, Real8 b) { return select(a < b, b, a); }
+#endif
+
 /// Loads and stores the points of an L; with L = Real that of `lane`. Quads are stored point by point, so
 /// that a GPU thread needs one access each; T holds four numbers.
 template <class L> struct LaneAccess {
   RUBBLE_HD static L load(const Lanes& lanes, int lane) { return lanes.v[lane]; }
   RUBBLE_HD static void store(Lanes& lanes, int lane, L a) { lanes.v[lane] = a; }
   RUBBLE_HD static L splat(Real a) { return a; }
+  /// 1 where a bit is set, else 0; bit k for point k.
+  RUBBLE_HD static L flags(unsigned bits, int lane) { return static_cast<Real>(bits >> lane & 1); }
   template <class T> RUBBLE_HD static Quad<L> loadQuad(const T* points, int lane) {
     static_assert(sizeof(T) == sizeof(Quad<Real>) && alignof(T) == sizeof(T));
     const T own = points[lane];
@@ -48,7 +65,7 @@ template <class L> struct LaneAccess {
   }
   template <class T> RUBBLE_HD static void storeQuad(T* points, int lane, const Quad<L>& q) {
     T own;
-    memcpy(&own, &q, sizeof own);
+    memcpy(static_cast<void*>(&own), &q, sizeof own);
     points[lane] = own;
   }
 };
@@ -75,6 +92,10 @@ template <> struct LaneAccess<Real4> {
   static Real4 load(const Lanes& lanes, int) { return *reinterpret_cast<const Real4Aliased*>(lanes.v); }
   static void store(Lanes& lanes, int, Real4 a) { *reinterpret_cast<Real4Aliased*>(lanes.v) = a; }
   static Real4 splat(Real a) { return Real4{a, a, a, a}; }
+  static Real4 flags(unsigned bits, int) {
+    const auto at = [&](int k) { return static_cast<Real>(bits >> k & 1); };
+    return Real4{at(0), at(1), at(2), at(3)};
+  }
   template <class T> static Quad<Real4> loadQuad(const T* points, int) {
     static_assert(sizeof(T) == sizeof(Real4));
     const auto* const p = reinterpret_cast<const Real4Aliased*>(points);
@@ -111,6 +132,12 @@ template <> struct LaneAccess<Real4> {
 
 #endif
 
+template <class L> RUBBLE_HD RUBBLE_NEAR Vec3T<L> splatVector(const Vec3& a) {
+  return {LaneAccess<L>::splat(a.x), LaneAccess<L>::splat(a.y), LaneAccess<L>::splat(a.z)};
+}
+template <class L> RUBBLE_HD RUBBLE_NEAR QuatT<L> splatQuat(const Quat& q) {
+  return {LaneAccess<L>::splat(q.s), splatVector<L>(q.v)};
+}
 template <class Mask, class L>
 RUBBLE_HD RUBBLE_NEAR Vec3T<L> select(Mask mask, const Vec3T<L>& a, const Vec3T<L>& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};

@@ -1,6 +1,7 @@
 #pragma once
-/// Real4: four numbers that a processor handles at once. GCC and Clang have vectors; elsewhere, and with
-/// RUBBLE_PORTABLE_LANES, it is an array with the same operations, of the same bits.
+/// Real4: four numbers that a processor handles at once; Real8: two Real4 where there are vectors of eight.
+/// GCC and Clang have vectors; elsewhere, and with RUBBLE_PORTABLE_LANES, it is an array with the same
+/// operations, of the same bits.
 #include <bit>
 #include <cstddef>
 
@@ -100,6 +101,29 @@ inline Real4 firstOfBoth(Real4 a, Real4 b) { return __builtin_shufflevector(a, b
 inline Real4 lastOfBoth(Real4 a, Real4 b) { return __builtin_shufflevector(a, b, 2, 6, 3, 7); }
 inline Real4 firstHalves(Real4 a, Real4 b) { return __builtin_shufflevector(a, b, 0, 1, 4, 5); }
 inline Real4 lastHalves(Real4 a, Real4 b) { return __builtin_shufflevector(a, b, 2, 3, 6, 7); }
+
+#define RUBBLE_HAS_REAL8
+using Real8 = Real __attribute__((vector_size(8 * sizeof(Real))));
+
+/// A Real8 in place of a Real4 of the same name does the same with each half.
+template <class Mask> inline Real8 select(Mask mask, Real8 a, Real8 b) { return mask ? a : b; }
+inline Real8 firstOfBoth(Real8 a, Real8 b) { return __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13); }
+inline Real8 lastOfBoth(Real8 a, Real8 b) {
+  return __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+}
+inline Real8 firstHalves(Real8 a, Real8 b) { return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13); }
+inline Real8 lastHalves(Real8 a, Real8 b) {
+  return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+inline Real8 joined(Real4 low, Real4 high) {
+  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+inline Real4 lowOf(Real8 a) { return __builtin_shufflevector(a, a, 0, 1, 2, 3); }
+inline Real4 highOf(Real8 a) { return __builtin_shufflevector(a, a, 4, 5, 6, 7); }
+/// Element k of each half, four times.
+template <int k> inline Real8 repeated(Real8 a) {
+  return __builtin_shufflevector(a, a, k, k, k, k, 4 + k, 4 + k, 4 + k, 4 + k);
+}
 
 #else
 

@@ -43,11 +43,12 @@ RUBBLE_HD inline Vec3 logRotation(const Quat& rotation) {
 
 /// Two unit vectors that complete the unit vector n to a right-handed basis; continuous in n except at one
 /// point (Duff et al. 2017).
-RUBBLE_HD inline void tangentBasis(const Vec3& n, Vec3& t1, Vec3& t2) {
-  const Real sign = n.z < Real(0) ? Real(-1) : Real(1);
-  const Real a = Real(-1) / (sign + n.z);
-  const Real b = n.x * n.y * a;
-  t1 = {Real(1) + sign * n.x * n.x * a, sign * b, -sign * n.x};
+template <class L> RUBBLE_HD RUBBLE_NEAR void tangentBasis(const Vec3T<L>& n, Vec3T<L>& t1, Vec3T<L>& t2) {
+  using A = LaneAccess<L>;
+  const L sign = select(n.z < A::splat(0), A::splat(-1), A::splat(1));
+  const L a = A::splat(-1) / (sign + n.z);
+  const L b = n.x * n.y * a;
+  t1 = {A::splat(1) + sign * n.x * n.x * a, sign * b, -sign * n.x};
   t2 = {b, sign + n.y * n.y * a, -n.y};
 }
 

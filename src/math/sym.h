@@ -60,7 +60,8 @@ template <class L> RUBBLE_HD RUBBLE_NEAR Block6T<L>& operator+=(Block6T<L>& to, 
 
 /// Adds a force and a Hessian W that act at a lever r: [[W, -W [r]], [[r] W, -[r] W [r]]].
 template <class L>
-RUBBLE_HD void addAtLever(Block6T<L>& block, const Vec3T<L>& r, const Vec3T<L>& force, const Sym3T<L>& w) {
+RUBBLE_HD RUBBLE_NEAR void addAtLever(Block6T<L>& block, const Vec3T<L>& r, const Vec3T<L>& force,
+                                      const Sym3T<L>& w) {
   block.fl += force;
   block.fa += cross(r, force);
   block.ll += w;

@@ -27,8 +27,8 @@ inline constexpr Real kSlidingResistance = Real(.5);
 /// the secant |b - lambda.e| / |C.e|, perpendicular to it k b / |l| (exact), with b = muDynamic F_n. With
 /// `coneHessian` false it is k in both directions, as in the paper.
 template <class L>
-RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L normalForce, L mu,
-                                        L muDynamic, bool coneHessian) {
+RUBBLE_HD RUBBLE_NEAR TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L normalForce,
+                                                    L mu, L muDynamic, bool coneHessian) {
   using A = LaneAccess<L>;
   const L zero = A::splat(0), one = A::splat(1), tiny = A::splat(std::numeric_limits<Real>::min());
   const L l1 = k * c1 + lambda1, l2 = k * c2 + lambda2;
@@ -56,10 +56,10 @@ RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L
 }
 
 /// The Hessian W = k_n n n^T + across (1 - n n^T) + excess e e^T of a contact point, with normal n, tangents
-/// t1, t2 and e = e1 t1 + e2 t2.
-template <class L>
-RUBBLE_HD Sym3T<L> pointHessian(const Vec3& n, const Vec3& t1, const Vec3& t2, L kN,
-                                const TangentForce<L>& t) {
+/// t1, t2 and e = e1 t1 + e2 t2. C: PerContact<L>.
+template <class L, class C>
+RUBBLE_HD RUBBLE_NEAR Sym3T<L> pointHessian(const Vec3T<C>& n, const Vec3T<C>& t1, const Vec3T<C>& t2, L kN,
+                                            const TangentForce<L>& t) {
   const Vec3T<L> e{t1.x * t.e1 + t2.x * t.e2, t1.y * t.e1 + t2.y * t.e2, t1.z * t.e1 + t2.z * t.e2};
   const L across = t.across, beyond = kN - across;
   const Vec3T<L> u{n.x * beyond, n.y * beyond, n.z * beyond},

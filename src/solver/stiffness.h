@@ -42,16 +42,20 @@ RUBBLE_HD inline StiffnessRule jointRule(const StepConstants& c, Real start, Rea
 /// for example a cube created between two jointed bodies. Their error persists at any force; a stiffness that
 /// follows the load would double the load in every step until the bodies slip free. At constant k the load is
 /// bounded, because the decay of the warm start balances what the error adds.
-template <class L> RUBBLE_HD L contactCeiling(const StepConstants& c, Real start, Real length, L depth) {
+template <class L>
+RUBBLE_HD RUBBLE_NEAR L contactCeiling(const StepConstants& c, PerContact<L> start, PerContact<L> length,
+                                       L depth) {
   using A = LaneAccess<L>;
-  const Real deep = c.contactPolicy == StiffnessPolicy::FollowLoad ? kDeepShare * length
-                                                                   : std::numeric_limits<Real>::max();
+  const auto deep = c.contactPolicy == StiffnessPolicy::FollowLoad
+                        ? kDeepShare * length
+                        : LaneAccess<PerContact<L>>::splat(std::numeric_limits<Real>::max());
   return select(depth > A::splat(deep), A::splat(kDeepStiffness * start),
                 A::splat(c.maxStiffness * start / c.startStiffness));
 }
 
 /// Growth rule of the tangential rows of a contact: a lower start, then k follows their own load.
-RUBBLE_HD inline StiffnessRule tangentRule(const StepConstants& c, StiffnessRule normal) {
+template <class L>
+RUBBLE_HD RUBBLE_NEAR StiffnessRuleT<L> tangentRule(const StepConstants& c, StiffnessRuleT<L> normal) {
   normal.start *= c.tangentStiffness;
   return normal;
 }
@@ -63,12 +67,18 @@ RUBBLE_HD RUBBLE_NEAR L grownBy(const StiffnessRuleT<L>& rule, L k, L error, L m
     return minOf(maxOf(rule.start, absOf(multiplier) * rule.perLoad), rule.limit);
   return minOf(k + rule.beta * absOf(error), rule.limit);
 }
-/// The same for SIMD lanes that share one rule.
-template <class L> RUBBLE_HD L grownStiffness(const StiffnessRule& rule, L k, L error, L multiplier) {
+/// The rule of the points of contacts that have one rule each.
+template <class L>
+RUBBLE_HD RUBBLE_NEAR StiffnessRuleT<L> ruleOfPoints(const StiffnessRuleT<PerContact<L>>& rule) {
   using A = LaneAccess<L>;
-  const StiffnessRuleT<L> each{rule.policy, A::splat(rule.start), A::splat(rule.limit), A::splat(rule.beta),
-                               A::splat(rule.perLoad)};
-  return grownBy(each, k, error, multiplier);
+  return {rule.policy, A::splat(rule.start), A::splat(rule.limit), A::splat(rule.beta),
+          A::splat(rule.perLoad)};
+}
+/// The same for the points of contacts that have one rule each.
+template <class L>
+RUBBLE_HD RUBBLE_NEAR L grownStiffness(const StiffnessRuleT<PerContact<L>>& rule, L k, L error,
+                                       L multiplier) {
+  return grownBy(ruleOfPoints<L>(rule), k, error, multiplier);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -12,15 +12,17 @@ struct Warm {
 RUBBLE_HD inline Warm coldStart(Real start) { return {Real(0), start}; }
 
 /// \eq{S17} lambda <- alpha gamma lambda. A finite row has no inherited error to correct: gamma lambda.
-RUBBLE_HD inline Real warmMultiplier(const StepConstants& c, Real lambda, bool hard) {
+template <class L> RUBBLE_HD RUBBLE_NEAR L warmMultiplier(const StepConstants& c, L lambda, bool hard) {
   return (hard ? c.alpha * c.gamma : c.gamma) * lambda;
 }
 
 /// Second half of [S 17]: k <- max(gamma k, k_start), within the ceiling of its rule. Rescaled if the time
 /// step changed.
-RUBBLE_HD inline Real warmStiffness(const StepConstants& c, const StiffnessRule& rule, Real k, Real lambda) {
-  if (rule.policy == StiffnessPolicy::FollowLoad) return grownStiffness<Real>(rule, k, Real(0), lambda);
-  return clamp(c.gamma * k * c.stiffnessRescale, rule.start, rule.limit);
+template <class L>
+RUBBLE_HD RUBBLE_NEAR L warmStiffness(const StepConstants& c, const StiffnessRuleT<L>& rule, L k, L lambda) {
+  if (rule.policy == StiffnessPolicy::FollowLoad) return grownBy(rule, k, LaneAccess<L>::splat(0), lambda);
+  const L kept = c.gamma * k * c.stiffnessRescale;
+  return select(kept < rule.start, rule.start, minOf(kept, rule.limit));
 }
 
 /// k of a new row that starts with a load.
@@ -42,8 +44,8 @@ RUBBLE_HD inline Real inheritedError(const StepConstants& c, Real error) {
   return (Real(1) - c.alpha) * error;
 }
 /// The same for an inequality that acts on C > 0: a gap is not an error and is not scaled.
-RUBBLE_HD inline Real inheritedViolation(const StepConstants& c, Real error) {
-  return error > Real(0) ? inheritedError(c, error) : error;
+template <class L> RUBBLE_HD RUBBLE_NEAR L inheritedViolation(const StepConstants& c, L error) {
+  return select(error > LaneAccess<L>::splat(0), (Real(1) - c.alpha) * error, error);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -12,26 +12,36 @@
 
 namespace rubble {
 
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
-  if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings, options.tasks);
+  const std::string best = instructionSets().back(), given = options.instructionSet;
+  const CpuOptions cpu{options.threads, options.timings, (given.empty() ? best : given) == "avx2",
+                       options.tasks};
+  if (options.backend == "cpu") return f32::makeCpuEngine(cpu);
 #if defined(RUBBLE_HAS_REFERENCE)
-  if (options.backend == "reference")
-    return f64::makeCpuEngine(options.threads, options.timings, options.tasks);
+  if (options.backend == "reference") return f64::makeCpuEngine(cpu);
 #endif
-  if (options.backend == "distributed")
-    return f32::makeDistributedEngine(options.ranks, options.threads, options.timings);
+  if (options.backend == "distributed") return f32::makeDistributedEngine(options.ranks, cpu);
   if (options.backend == "lockstep")
-    return f32::makeLockstepEngine(f32::makeCpuEngine(1, options.timings),
-                                   f32::makeCpuEngine(options.threads, false));
+    // two instruction sets where there are two
+    return f32::makeLockstepEngine(
+        f32::makeCpuEngine({.threads = 1, .timings = options.timings, .avx2 = given == "avx2"}),
+        f32::makeCpuEngine({.threads = options.threads, .timings = false, .avx2 = cpu.avx2}));
   if (options.backend == "cuda" || options.backend == "lockstep-cuda") {
     if (!cudaReady()) throw Error("backend", "a machine and a build with CUDA", cudaStatus());
     if (options.backend == "cuda") return makeCudaEngine(options.timings);
-    return f32::makeLockstepEngine(f32::makeCpuEngine(options.threads, options.timings),
-                                   makeCudaEngine(false));
+    return f32::makeLockstepEngine(f32::makeCpuEngine(cpu), makeCudaEngine(false));
   }
-  std::string names;
-  for (const std::string& name : backends()) names += (names.empty() ? "" : ", ") + name;
-  throw Error("backend", "one of " + names, "\"" + options.backend + "\"");
+  throw Error("backend", "one of " + joined(backends()), "\"" + options.backend + "\"");
 }
 
 void validate(const WorldOptions& options) {
@@ -46,6 +56,9 @@ void validate(const WorldOptions& options) {
       throw Error("tasks.parts", "a number from 1 to " + std::to_string(kMostThreads),
                   std::to_string(options.tasks.parts));
   }
+  if (const std::vector<std::string> sets = instructionSets();
+      !options.instructionSet.empty() && std::ranges::find(sets, options.instructionSet) == sets.end())
+    throw Error("instructionSet", "one of " + joined(sets), "\"" + options.instructionSet + "\"");
   const RankOptions& ranks = options.ranks;
   if (ranks.count < 0 || ranks.count > kMostThreads)
     throw Error("ranks.count", "a number from 0 to " + std::to_string(kMostThreads),

@@ -1,5 +1,6 @@
 /// The same bits at any number of threads, and the lockstep that proves it.
 #include <backend/lockstep/lockstep_engine.h>
+#include <rubble/info.h>
 
 #include "tables/clean_copy.h"
 #include "tests/support/core_world.h"
@@ -29,6 +30,20 @@ TEST(Determinism, AFallingPileHasTheSameBitsAtAnyNumberOfThreads) {
   // the pile moves: no two states are alike
   EXPECT_EQ(std::set<std::uint64_t>(one.begin(), one.end()).size(), one.size());
   for (const int threads : {2, 3, 5}) EXPECT_EQ(hashes(threads, "cpu"), one) << threads;
+}
+
+TEST(Determinism, AFallingPileHasTheSameBitsWithEveryInstructionSet) {
+  const auto run = [](const std::string& set, const std::string& backend, int threads) {
+    WorldOptions options = test::options(4, backend, threads);
+    options.instructionSet = set, options.ranks.count = 2;
+    World world(test::heap(8), options);
+    test::run(world, kSteps);
+    return world.hash();
+  };
+  const std::uint64_t expected = run("baseline", "cpu", 1);
+  for (const std::string& set : instructionSets())
+    for (const auto& [backend, threads] : {std::pair{"cpu", 1}, {"cpu", 3}, {"distributed", 2}})
+      EXPECT_EQ(run(set, backend, threads), expected) << set << " " << backend << " " << threads;
 }
 
 TEST(Determinism, TheReferenceHasTheSameBitsAtAnyNumberOfThreads) {
@@ -103,8 +118,9 @@ class Lockstep : public ::testing::Test {
   }
   SolverData& b() { return b_->tables().view(); }
 
-  CpuEngine* const b_ = new CpuEngine(2, false);
-  LockstepEngine lockstep_{std::make_unique<CpuEngine>(1, false), std::unique_ptr<CpuEngine>(b_)};
+  CpuEngine* const b_ = new CpuEngine({.threads = 2, .timings = false});
+  LockstepEngine lockstep_{std::make_unique<CpuEngine>(CpuOptions{.threads = 1, .timings = false}),
+                           std::unique_ptr<CpuEngine>(b_)};
   EngineSettings settings_;
   int step_ = 0;
 };

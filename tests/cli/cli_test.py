@@ -135,6 +135,11 @@ class Usage(Case):
         if "cuda" not in json.loads(self.rubble("info", "build", "--json").stdout)["backends"]:
             self.refused("run", "pile-1k", "-b", "cuda", says="off: ")
 
+    def test_info_names_the_instruction_sets(self):
+        sets = json.loads(self.rubble("info", "build", "--json").stdout)["instruction_sets"]
+        self.assertEqual(sets[0], "baseline")
+        self.assertIn(f"{sets[-1]} (of {', '.join(sets)})", self.rubble("info", "build").stdout)
+
     def test_completion_and_manual_name_everything(self):
         for shell, program in [("bash", "bash"), ("zsh", "zsh"), ("fish", "fish")]:
             script = self.rubble("completion", shell).stdout

@@ -24,7 +24,7 @@ struct Kept {
 /// As the narrow phase does it.
 Kept update(const PairPose& p, const Kept* old, Real tolerance) {
   if (old && recyclable(old->test, old->manifold.count, p, tolerance))
-    return {old->test, recycledManifold(old->manifold, p)};
+    return {old->test, recycledManifold<Real>(old->manifold, p)};
   const RawManifold raw = collide(kBrick, kBrick, p);
   return {pairTest(raw, p), testedManifold(raw, p, old ? &old->manifold : nullptr)};
 }

@@ -19,10 +19,10 @@ namespace rubble {
 
 // this program has the core in double only
 namespace f32 {
-std::unique_ptr<Engine> makeCpuEngine(int, bool, TaskSystem) { return nullptr; }
+std::unique_ptr<Engine> makeCpuEngine(const CpuOptions&) { return nullptr; }
 std::unique_ptr<Engine> makeLockstepEngine(int) { return nullptr; }
 std::uint64_t tableLayout() { return 0; }
-std::unique_ptr<Engine> makeDistributedEngine(const RankOptions&, int, bool) { return nullptr; }
+std::unique_ptr<Engine> makeDistributedEngine(const RankOptions&, const CpuOptions&) { return nullptr; }
 }  // namespace f32
 
 namespace {

@@ -1,5 +1,5 @@
 /// Contact points: forces from the energy, Hessian blocks, momentum, and lanes against single points.
-#include <forces/contact.h>
+#include <forces/contact_pair.h>
 #include <solver/row.h>
 
 #include <cstring>
@@ -56,8 +56,7 @@ ContactCase randomContact(Random& random, Real friction) {
 }
 
 ContactForces<Real> forcesOf(const ContactCase& x, int lane) {
-  return contactForces<Real>(true, x.rows, contactFrame<Real>(x.rows, lane), displacement(x.a),
-                             displacement(x.b));
+  return contactForces(true, contactFrame<Real>(x.rows, lane), displacement(x.a), displacement(x.b));
 }
 
 Block6 blockOf(const ContactCase& x, bool onA, int lane) {
@@ -258,6 +257,54 @@ TEST(Contact, FourLanesEqualSinglePoints) {
     EXPECT_EQ(std::memcmp(&together, &single, sizeof single), 0);
   }
 }
+
+#if defined(RUBBLE_HAS_REAL8)
+
+TEST(ContactPair, HasTheBitsOfEachContactAlone) {
+  Random random(7);
+  const StepConstants c = constants();
+  for (int n = 0; n < 40; ++n) {
+    ContactCase x[2] = {randomContact(random, .4), randomContact(random, .4)};
+    const Displacement a[2] = {displacement(x[0].a), displacement(x[1].a)},
+                       b[2] = {displacement(x[0].b), displacement(x[1].b)};
+    const ContactPair pair{{&x[0].rows, &x[1].rows}, {&a[0], &a[1]}, {&b[0], &b[1]}};
+    for (const bool onA : {true, false}) {
+      const bool sides[2] = {onA, n % 2 == 0};
+      Block6T<Real8> both;
+      accumulateContacts(true, pair, sides, both);
+      const auto* const lanes = reinterpret_cast<const Real*>(&both);
+      for (int half = 0; half < 2; ++half) {
+        Block6T<Real4> one;
+        accumulateContact<Real4>(true, x[half].rows, sides[half], a[half], b[half], 0, one);
+        const auto* const expected = reinterpret_cast<const Real*>(&one);
+        for (int k = 0; k < 27 * kLanes; ++k)
+          EXPECT_EQ(lanes[k / kLanes * 8 + 4 * half + k % kLanes], expected[k]) << k;
+      }
+    }
+    ContactRows rows[2] = {x[0].rows, x[1].rows};
+    updateContactDuals(c, rows[0], rows[1], {{&rows[0], &rows[1]}, {&a[0], &a[1]}, {&b[0], &b[1]}});
+    for (int half = 0; half < 2; ++half) {
+      updateContactDuals<Real4>(c, x[half].rows, a[half], b[half], 0);
+      EXPECT_EQ(std::memcmp(&rows[half], &x[half].rows, sizeof rows[half]), 0);
+    }
+  }
+}
+
+TEST(ContactPair, ARowOfZerosAddsZeros) {
+  Random random(8);
+  const ContactCase x = randomContact(random, .4);
+  const Displacement a = displacement(x.a), b = displacement(x.b), still{};
+  const ContactRows none{};
+  Block6T<Real8> both;
+  accumulateContacts(true, {{&x.rows, &none}, {&a, &still}, {&b, &still}}, {true, true}, both);
+  const auto* const lanes = reinterpret_cast<const Real*>(&both);
+  for (int k = 0; k < 27 * 8; ++k)
+    if (k % 8 >= kLanes) {
+      EXPECT_EQ(lanes[k], 0) << k;
+    }
+}
+
+#endif
 
 TEST(Contact, TurnsWithTheWorld) {
   Random random(7);

@@ -2,6 +2,9 @@
 /// number of threads. They change with the method only. If this test fails while all others pass, check
 /// whether the change was intended, and put the row of the message into the table.
 #include <gtest/gtest.h>
+#include <rubble/info.h>
+
+#include <set>
 
 #include "scenes/registry.h"
 #include "tests/support/golden.h"
@@ -11,19 +14,31 @@ namespace {
 
 constexpr int kFewSteps = 30, kManySteps = 300;
 
-void expectRecorded(const test::Golden& golden) {
+void expectRecorded(const test::Golden& golden, const std::string& instructionSet = "") {
   const scenes::Spec& spec = scenes::find(golden.scene);
   scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, spec.testArguments));
   job.probes.clear();
   WorldOptions options;
   options.timings = false;
+  options.instructionSet = instructionSet;
   options.params.iterations = job.iterations, options.params.substeps = job.substeps;
   scenes::Runner runner(std::move(job), options);
   for (int step = 0; step < golden.steps; ++step) {
     if (golden.sorts && step == golden.steps / 2) runner.world().sortBodies();
     runner.step();
   }
-  EXPECT_EQ(runner.world().hash(), golden.hash) << test::rowOf(golden, runner.world().hash());
+  EXPECT_EQ(runner.world().hash(), golden.hash)
+      << test::rowOf(golden, runner.world().hash()) << instructionSet;
+}
+
+/// Scenes after `steps` steps with each instruction set of this machine but the one that runs by default.
+void expectRecordedWithOtherSets(int steps, const std::set<std::string>& scenes) {
+  const std::vector<std::string> sets = instructionSets();
+  if (sets.size() < 2) GTEST_SKIP() << "one instruction set";
+  for (const test::Golden& golden : test::goldens("cpu", steps))
+    for (const std::string& set : sets)
+      if (set != sets.back() && (scenes.empty() || scenes.contains(golden.scene)))
+        expectRecorded(golden, set);
 }
 
 class Golden : public testing::TestWithParam<test::Golden> {};
@@ -31,6 +46,13 @@ class LongGolden : public testing::TestWithParam<test::Golden> {};
 
 TEST_P(Golden, HashIsTheRecordedOne) { expectRecorded(GetParam()); }
 TEST_P(LongGolden, HashIsTheRecordedOne) { expectRecorded(GetParam()); }
+
+TEST(GoldenTable, HashesAreTheRecordedOnesWithEveryInstructionSet) {
+  expectRecordedWithOtherSets(kFewSteps, {"pile-1k", "joint-grid", "every-shape", "rolling", "soft-dent"});
+}
+TEST(LongGoldenTable, HashesAreTheRecordedOnesWithEveryInstructionSet) {
+  expectRecordedWithOtherSets(kManySteps, {});
+}
 
 constexpr auto kName = [](const auto& info) { return info.param.name(); };
 INSTANTIATE_TEST_SUITE_P(Scenes, Golden, testing::ValuesIn(test::goldens("cpu", kFewSteps)), kName);

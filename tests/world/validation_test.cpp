@@ -82,6 +82,9 @@ TEST(Validation, OfOptionsNamesWhatThereIs) {
   const Scene scene = test::tower(1);
   expectError("backend", [&] { World world(scene, test::options(4, "quantum")); });
   expectError("threads", [&] { World world(scene, test::options(4, "cpu", -1)); });
+  WorldOptions set;
+  set.instructionSet = "abacus";
+  expectError("instructionSet", [&] { World world(scene, set); });
   const auto expectBadRanks = [&](const char* path, auto&& change) {
     WorldOptions options = test::options(4, "distributed");
     change(options.ranks);

@@ -9,7 +9,7 @@ extern "C" {
 #endif
 
 /// A world of a scene. `options`: JSON object, or null: "backend", "threads", "preset", "timings", "events",
-/// and parameters by name ("dt", "iterations", "substeps", "sleeping").
+/// "instruction_set", and parameters by name ("dt", "iterations", "substeps", "sleeping").
 RB_API rb_status rb_world_create(const rb_scene* scene, const char* options, rb_world** world);
 RB_API void rb_world_destroy(rb_world* world);
 /// Advances the world by "dt". `report` may be null.

@@ -68,7 +68,12 @@ void CpuEngine::takeStep(StepReport& report) {
   executor_.run([&] {
     for (int k = 0; k < settings_.params.substeps; ++k) {
       beginStep();
-      rubble::RUBBLE_CORE::step(executor_);
+#if defined(RUBBLE_HAS_AVX2)
+      if (avx2_)
+        stepAvx2(executor_);
+      else
+#endif
+        rubble::RUBBLE_CORE::step(executor_);
       s.rolledBefore = s.rolls;
       previousDt_ = settings_.params.dt / settings_.params.substeps;
       for (std::size_t w = 0; w < worlds_.size(); ++w)
@@ -113,8 +118,8 @@ std::uint64_t tableLayout() {
   return hashOf(std::as_bytes(std::span(text)));
 }
 
-std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings, TaskSystem tasks) {
-  return std::make_unique<CpuEngine>(threads, timings, std::move(tasks));
+std::unique_ptr<Engine> makeCpuEngine(const CpuOptions& options) {
+  return std::make_unique<CpuEngine>(options);
 }
 
 }  // namespace rubble::RUBBLE_CORE

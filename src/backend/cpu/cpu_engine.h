@@ -16,6 +16,9 @@ namespace rubble::RUBBLE_CORE {
 /// Instantiated in cpu_step.cpp only: the step dominates the compile time of the library.
 extern template void step(CpuExecutor&);
 
+/// The same, compiled for AVX2 (cmake/RubbleVariant.cmake); of the core in float alone.
+void stepAvx2(CpuExecutor& executor);
+
 /// Plans the joint trees of edited bodies and joints.
 void planTrees(HostTables& tables);
 
@@ -34,8 +37,8 @@ void loadState(HostTables& tables, double& previousDt, std::span<const std::byte
 
 class CpuEngine final : public ObservableEngine, public BatchEngine {
  public:
-  CpuEngine(int threads, bool timings, TaskSystem tasks = {})
-      : executor_(threads, timings, std::move(tasks)) {}
+  explicit CpuEngine(const CpuOptions& options)
+      : executor_(options.threads, options.timings, options.tasks), avx2_(options.avx2) {}
 
   void configure(const EngineSettings& settings) override {
     settings_ = settings;
@@ -116,6 +119,7 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   void beginStep();
 
   CpuExecutor executor_;
+  [[maybe_unused]] const bool avx2_;
   HostReader reader_{executor_.tables()};
   HostArrays arrays_{executor_.tables()};
   HostJointRows jointRows_;

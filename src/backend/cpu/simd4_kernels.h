@@ -3,6 +3,7 @@
 /// vector registers. They gather the inputs, evaluate the formulas of the stages with L = Real4 (lanes.h),
 /// and leave rare cases to the scalar kernel. Each lane has the bits of the scalar kernel, so results do not
 /// depend on the grouping.
+#include "backend/cpu/contact_lanes.h"
 #include "backend/cpu/gather.h"
 #include "platform/prefetch.h"
 
@@ -37,10 +38,6 @@ int accumulateRounds(const SolverData& s, int least, CodeOf&& codeOf, ShiftOf&& 
 inline constexpr int kAhead = 2;
 
 /// Prefetches the first and the last byte of [begin, begin + bytes).
-RUBBLE_NEAR void fetch(const void* begin, std::size_t bytes) {
-  prefetch(begin);
-  prefetch(static_cast<const char*>(begin) + bytes - 1);
-}
 /// Prefetches the inputs of a constraint.
 RUBBLE_NEAR void fetchBall(const SolverData& s, std::uint32_t code) {
   if (constraintType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return;
@@ -60,7 +57,13 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
   }
   static void prepare(const SolverData& s, const Lane4& body) {
     for (const int i : body)
-      for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) fetchBall(s, s.incidence[k].code);
+      for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) {
+        const std::uint32_t code = s.incidence[k].code;
+        if (constraintType(code) == kContactType)
+          fetchContact(s, code);
+        else
+          fetchBall(s, code);
+      }
   }
   static void run(const SolverData& s, const Lane4& body) {
     Lane4 count;
@@ -86,9 +89,14 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
     if (done < mostOf(count)) {
       PaddedBlock own[kLanes];
       scatterBlocks(block, own);
+      Lane4 next, end;
       for (int lane = 0; lane < kLanes; ++lane)
-        addRows<Real4>(s, s.incidenceOffset[body[lane]] + done, s.incidenceOffset[body[lane] + 1],
-                       own[lane].block);
+        next[lane] = s.incidenceOffset[body[lane]] + done, end[lane] = s.incidenceOffset[body[lane] + 1];
+#if RUBBLE_EIGHT_LANES
+      for (int lane = 0; lane < kLanes && !s.rolls; lane += 2)
+        addContactsOfTwo(s, next + lane, {end[lane], end[lane + 1]}, own[lane].block, own[lane + 1].block);
+#endif
+      for (int lane = 0; lane < kLanes; ++lane) addRows<Real4>(s, next[lane], end[lane], own[lane].block);
       gatherBlocks(own, block);
     }
     if (locks == 0 && descendTogether(s, body, target.mass, block, x)) return;
@@ -182,13 +190,18 @@ template <> struct Simd4Kernel<SumSlice<Real4>> {
     const int done = accumulateRounds(s, leastOf(boundaryBlocks), codeOf, shiftOf, sum);
     PaddedBlock own[kLanes];
     scatterBlocks(sum, own);
+    const bool pairs = RUBBLE_EIGHT_LANES && !s.rolls;
     for (int lane = 0; lane < kLanes; ++lane) {
       const int i = index[lane];
       if (done < boundaryBlocks[lane])
         SumSlice<Real4>::addBoundary(s, s.slice[i], s.boundaryOffset[i] + done, s.boundaryOffset[i + 1],
-                                     own[lane].block);
-      s.slice[i].sum = own[lane].block;
+                                     own[lane].block, !pairs);
     }
+#if RUBBLE_EIGHT_LANES
+    for (int lane = 0; lane < kLanes && pairs; lane += 2)
+      addBoundaryContactsOfTwo(s, index + lane, own[lane].block, own[lane + 1].block);
+#endif
+    for (int lane = 0; lane < kLanes; ++lane) s.slice[index[lane]].sum = own[lane].block;
   }
 
  private:
@@ -272,6 +285,20 @@ template <> struct Simd4Kernel<MoveSlice> {
                          &aggregates.aggregate[2]->step, &aggregates.aggregate[3]->step, k);
   }
 };
+
+#if RUBBLE_EIGHT_LANES
+template <> struct Simd4Kernel<UpdateContactDuals<Real4>> {
+  static void run(const SolverData& s, const Lane4& index) {
+    updateTwoDuals(s, index[0], index[1]), updateTwoDuals(s, index[2], index[3]);
+  }
+};
+template <> struct Simd4Kernel<FinishContacts<Real4>> {
+  static void run(const SolverData& s, const Lane4& index) {
+    Simd4Kernel<UpdateContactDuals<Real4>>::run(s, index);
+    for (const int i : index) FinishContacts<Real4>::store(s, i);
+  }
+};
+#endif
 
 template <> struct Simd4Kernel<UpdateJointDuals<BallJoint>> {
   static void run(const SolverData& s, const Lane4& index) {

@@ -53,7 +53,7 @@ template <> struct OnDevice<FinishContacts<Real>> { using Type = FinishPoint; };
 
 /// One lane per point. Most manifolds are recycled, and recycling is a copy.
 struct RecycleManifoldByLanes {
-  static constexpr const char* kStage = RecycleManifolds::kStage;
+  static constexpr const char* kStage = RecycleManifolds<Real>::kStage;
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 5;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
@@ -115,10 +115,10 @@ struct RecycleManifoldByLanes {
     reinterpret_cast<float4*>(&to)[tile.lane] = first;
   }
 };
-template <> struct OnDevice<RecycleManifolds> { using Type = RecycleManifoldByLanes; };
+template <> struct OnDevice<RecycleManifolds<Real>> { using Type = RecycleManifoldByLanes; };
 
 struct BuildRowsOfPoint {
-  static constexpr const char* kStage = BuildContactRows::kStage;
+  static constexpr const char* kStage = BuildContactRows<Real>::kStage;
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 6;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
@@ -126,15 +126,16 @@ struct BuildRowsOfPoint {
     const int k = tile.lane, row = s.rowOffset[i];
     const Manifold m = manifoldOfPoint(s.manifold[i], tile);
     const PairPlace place = pairPlace(s, i);
-    PointMotion motion;
-    if (k < m.count) motion = pointMotion(s, m, place, 0);
-    const Real fastest = tile.max(motion.hits ? motion.closing : Real(0));
+    const bool on = k < m.count;
+    PointMotion<Real> motion{};
+    if (on) motion = pointMotion<Real>(s, m, place, 0);
+    const Real fastest = tile.max(on ? stoppedSpeed(s, place, motion.closing, motion.at.depth) : Real(0));
     // the fields that the points share, and this thread's point in lane 0
     ContactRows own;
     memset(static_cast<void*>(&own), 0, sizeof own);
     const PairRows p = beginRows(s, i, place, fastest, own);
     own.slip[0].mu = p.mu;
-    const unsigned impact = tile.ballot(k < m.count && buildPoint(s, m, p, motion, 0, own, 0));
+    const unsigned impact = tile.ballot(on && buildPoint(s, m, p, motion, 0, own, 0));
     ContactRows& r = s.contact[row];
     r.place[k] = own.place[0], r.load[k] = own.load[0], r.slip[k] = own.slip[0];
     storeHead(own, r, tile);
@@ -158,6 +159,6 @@ struct BuildRowsOfPoint {
                                                                   : head[3];
   }
 };
-template <> struct OnDevice<BuildContactRows> { using Type = BuildRowsOfPoint; };
+template <> struct OnDevice<BuildContactRows<Real>> { using Type = BuildRowsOfPoint; };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -12,8 +12,7 @@ namespace {
 
 class CpuRank final : public DividedEngine {
  public:
-  CpuRank(Transport& transport, const RankOptions& options, int threads, bool timings)
-      : cpu_(threads, timings) {
+  CpuRank(Transport& transport, const RankOptions& options, const CpuOptions& cpu) : cpu_(cpu) {
     if (options.exchange == RankExchange::Messages)
       division_ = std::make_unique<RankDivision>(cpu_.tables(), transport, options);
     else
@@ -38,9 +37,9 @@ class CpuRank final : public DividedEngine {
 
 }  // namespace
 
-std::unique_ptr<DividedEngine> makeCpuRank(Transport& transport, const RankOptions& options, int threads,
-                                           bool timings) {
-  return std::make_unique<CpuRank>(transport, options, threads, timings);
+std::unique_ptr<DividedEngine> makeCpuRank(Transport& transport, const RankOptions& options,
+                                           const CpuOptions& cpu) {
+  return std::make_unique<CpuRank>(transport, options, cpu);
 }
 
 void RankEngine::step(StepReport& report) {

@@ -31,8 +31,8 @@ class DividedEngine {
 };
 
 /// A CPU engine. The transport must outlive it.
-std::unique_ptr<DividedEngine> makeCpuRank(Transport& transport, const RankOptions& options, int threads,
-                                           bool timings);
+std::unique_ptr<DividedEngine> makeCpuRank(Transport& transport, const RankOptions& options,
+                                           const CpuOptions& cpu);
 
 class RankEngine final : public ObservableEngine {
  public:

@@ -69,10 +69,12 @@ RankTeam::RankTeam(const RankOptions& options, const Maker& make)
   requireWhole();
 }
 
-RankTeam::RankTeam(const RankOptions& options, int threads, bool timings)
+RankTeam::RankTeam(const RankOptions& options, const CpuOptions& cpu)
     : RankTeam(options, [&](Transport& transport) {
-        return makeCpuRank(transport, options, threadsOfRank(threads, options.count),
-                           timings && transport.rank() == 0);
+        return makeCpuRank(transport, options,
+                           {.threads = threadsOfRank(cpu.threads, options.count),
+                            .timings = cpu.timings && transport.rank() == 0,
+                            .avx2 = cpu.avx2});
       }) {}
 
 void RankTeam::requireWhole() const {
@@ -101,19 +103,19 @@ void RankTeam::step(StepReport& report) {
   report = std::move(reports.front());
 }
 
-std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, int threads, bool timings) {
+std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, const CpuOptions& cpu) {
   if (!ranks.devices.empty()) {
     if (!cudaReady()) throw Error("ranks.devices", "a machine and a build with CUDA", cudaStatus());
-    return makeCudaTeam(ranks, timings);
+    return makeCudaTeam(ranks, cpu.timings);
   }
   if (const RankProcesses& processes = rankProcesses(); ranks.count == 0 && processes.transport) {
     std::unique_ptr<Transport> transport = processes.transport(ranks.timeout);
-    std::unique_ptr<DividedEngine> divided = makeCpuRank(*transport, ranks, threads, timings);
+    std::unique_ptr<DividedEngine> divided = makeCpuRank(*transport, ranks, cpu);
     return std::make_unique<RankEngine>(std::move(transport), std::move(divided));
   }
   RankOptions options = ranks;
   options.count = std::max(1, options.count);
-  return std::make_unique<RankTeam>(options, threads, timings);
+  return std::make_unique<RankTeam>(options, cpu);
 }
 
 }  // namespace rubble::RUBBLE_CORE

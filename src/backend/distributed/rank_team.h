@@ -43,8 +43,8 @@ class RankTeam final : public Engine {
   /// Makes the engine of a rank, in the thread of the rank.
   using Maker = std::function<std::unique_ptr<DividedEngine>(Transport&)>;
   RankTeam(const RankOptions& options, const Maker& make);
-  /// Ranks on the CPU. `threads`: of all ranks together; 0: one per core.
-  RankTeam(const RankOptions& options, int threads, bool timings);
+  /// Ranks on the CPU. `cpu.threads`: of all ranks together; 0: one per core.
+  RankTeam(const RankOptions& options, const CpuOptions& cpu);
 
   void configure(const EngineSettings& settings) override {
     each([&](Engine& e) { e.configure(settings); });

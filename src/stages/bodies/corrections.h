@@ -43,9 +43,9 @@ RUBBLE_HD inline Vec3 relativeSettling(const SolverData& s, int a, int b) {
 
 /// Share of a settling that a point sees [1]. `settling2`: its squared tangential length [m2]; `bound`:
 /// radius of the friction cone [N].
-RUBBLE_HD inline Real settlingShare(Real settling2, Real bound, Real kT) {
-  const Real force = kT * std::sqrt(settling2), most = kMostSettling * bound;
-  return force > most ? most / force : Real(1);
+template <class L> RUBBLE_HD RUBBLE_NEAR L settlingShare(Real settling2, L bound, L kT) {
+  const L force = kT * std::sqrt(settling2), most = kMostSettling * bound;
+  return select(force > most, most / force, LaneAccess<L>::splat(1));
 }
 
 /// Motion of a body by correction in a step: that of the bodies below plus the correction of the contacts

@@ -14,7 +14,7 @@ RUBBLE_HD inline bool rowsHold(const SolverData& s, const Manifold* m) {
     if (!(r.load[k].kN > Real(0))) continue;
     active = true;
     const ContactFrame<Real> f = contactFrame<Real>(r, k);
-    if (f.c0 + along(r.n, relativeDisplacement(f, s.dx[r.a], s.dx[r.b])) > kHeldPoint * r.length)
+    if (f.c0 + along<Real>(r.n, relativeDisplacement(f, s.dx[r.a], s.dx[r.b])) > kHeldPoint * r.length)
       return false;
   }
   return active;

@@ -245,14 +245,16 @@ template <class L> struct SumSlice {
     slice.sum = sum;
   }
   RUBBLE_HD static int aggregateOf(const SolverData& s, int i) { return s.slice[i].aggregate; }
-  /// Adds the boundary constraints [k, end) of the slice.
-  RUBBLE_HD static void addBoundary(const SolverData& s, const Slice& slice, int k, int end, Block6& sum) {
+  /// Adds the boundary constraints [k, end) of the slice, with or without contacts.
+  RUBBLE_HD static void addBoundary(const SolverData& s, const Slice& slice, int k, int end, Block6& sum,
+                                    bool contacts = true) {
     const Aggregate& aggregate = s.aggregate[slice.aggregate];
     PointSums<L> points;
     bool touches = false;
     for (; k < end; ++k) {
       const std::uint32_t code = s.boundary[k];
       if (constraintType(code) == kContactType) {
+        if (!contacts) continue;
         const ContactRows& r = s.contact[constraintIndex(code)];
         points.each([&](int lane, Block6T<L>& sum) {
           addBoundaryContact<L>(s, aggregate, r, constraintSide(code), lane, sum);

@@ -3,10 +3,9 @@
 /// step.
 #include "collision/sweep.h"
 #include "solver/warmstart.h"
-#include "stages/bodies/corrections.h"
 #include "stages/coarse/cells.h"
 #include "stages/contacts/materials.h"
-#include "stages/contacts/rolled.h"
+#include "stages/contacts/stored_points.h"
 #include "stages/pairs/active_pairs.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -26,11 +25,17 @@ RUBBLE_HD inline const Manifold* manifoldBefore(const SolverData& s, int i) {
 /// Stores manifold i and marks its active points. A manifold without active points loses its memory.
 RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair& o, const PairPose& pair,
                                    Manifold m) {
-  const ActivationRule isActivePoint = activationRule(s, o);
-  m.activePoints = 0;
-  for (int k = 0; k < m.count; ++k)
-    if (isActivePoint(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k]))
-      m.activePoints |= static_cast<std::uint8_t>(1u << k);
+  // points that carry load do not need the targets of the bodies
+  unsigned active = 0;
+  for (int k = 0; k < m.count; ++k) active |= (m.lambdaN[k] != Real(0) ? 1u : 0u) << k;
+  if (const unsigned all = (1u << m.count) - 1; active != all) {
+    const ActivationRule isActivePoint = activationRule(s, o);
+    for (int k = 0; k < m.count; ++k)
+      if (isActivePoint(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t),
+                        m.lambdaN[k]))
+        active |= 1u << k;
+  }
+  m.activePoints = static_cast<ManifoldBits>(active);
   if (m.activePoints == 0) forgetPoints(m);
   // a sensor has contact points but no rows
   const bool rows = m.activePoints != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
@@ -57,7 +62,7 @@ RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, cons
 
 /// Narrow phase of active pairs whose relative pose has hardly changed: reuses the previous manifold. All
 /// other pairs are appended to `tested`.
-struct RecycleManifolds {
+template <class L> struct RecycleManifolds {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int pair = s.activePair[i];
@@ -67,7 +72,7 @@ struct RecycleManifolds {
     const Manifold* const old = manifoldBefore(s, i);
     if (keepAsleep(s, i, p, old)) return;
     if (old && mayRecycle(s, o) && recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance))
-      keepManifold(s, i, o, pose, recycledManifold(*old, pose));
+      keepManifold(s, i, o, pose, recycledManifold<L>(*old, pose));
     else
       s.tested[atomicCount(&s.counters->tested, 1)] = i;
   }
@@ -101,18 +106,20 @@ RUBBLE_HD inline PairPlace pairPlace(const SolverData& s, int manifold) {
           pairLength(s.params[o.a], s.params[o.b])};
 }
 
-/// A contact point at x^t.
-struct PointMotion {
-  PointAt at{};
-  Real closing = 0;   ///< closing speed [m/s]
-  bool hits = false;  ///< it stops a fast approach in the step
+/// Contact points at x^t.
+template <class L> struct PointMotion {
+  PointsAt<L> at;
+  L closing;  ///< closing speed [m/s]
 };
-RUBBLE_HD inline PointMotion pointMotion(const SolverData& s, const Manifold& m, const PairPlace& p, int k) {
-  PointMotion out;
-  out.at = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
-  out.closing = closingSpeed(s, p.bodies, m.normal, out.at.lever, p.t);
-  out.hits = hits(s.stepOf(p.bodies.a), out.closing, out.at.depth, p.length);
-  return out;
+template <class L>
+RUBBLE_HD RUBBLE_NEAR PointMotion<L> pointMotion(const SolverData& s, const Manifold& m, const PairPlace& p,
+                                                 int lane) {
+  const PointsAt<L> at = pointsAt<L>(m, lane, m.normal, p.qa, p.qb, p.t);
+  return {at, closingSpeed(s, p.bodies, m.normal, at.lever, p.t)};
+}
+/// The closing speed of a point if it stops a fast approach in this step, otherwise 0 [m/s].
+RUBBLE_HD inline Real stoppedSpeed(const SolverData& s, const PairPlace& p, Real closing, Real depth) {
+  return hits(s.stepOf(p.bodies.a), closing, depth, p.length) ? closing : Real(0);
 }
 
 /// Quantities shared by all contact points of a pair at x^t.
@@ -222,53 +229,94 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, const PairPlace&
   return p;
 }
 
-/// Builds the rows of point k in lane `to` of r: geometry, regularized errors, warm start [S 12] [S 17].
-/// Returns whether the point counts as an impact.
-RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p,
-                                 const PointMotion& motion, int k, ContactRows& r, int to) {
-  const OrderedPair& o = p.bodies;
-  const StepConstants& c = s.stepOf(o.a);
-  const PointAt& point = motion.at;
-  const bool isActive = m.activePoints >> k & 1;
-  if (point.depth > c.contactMargin * r.length) notePressed(s, o, point.depth);
-  if (isActive && r.restitution > Real(0) && s.counters->bounces == 0 &&
-      isImpact(c, motion.closing, r.length))
-    atomicRaise(&s.counters->bounces, 1);
+/// Rows of points, in the order of ContactRows.
+template <class L> struct PointRows { Quad<L> place, load, slip; };
 
-  const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
-  Real drift1 = stuck ? m.drift1[k] : Real(0), drift2 = stuck ? m.drift2[k] : Real(0);
-  StiffnessRule normal = p.normal;
-  Real most = r.most;
+/// Rows of points of a manifold: geometry, regularized errors, warm start [S 12] [S 17].
+template <class L>
+RUBBLE_HD RUBBLE_NEAR PointRows<L> pointRows(const SolverData& s, const Manifold& m, const PairRows& p,
+                                             const PointsAt<L>& point, const ContactRows& r, int lane) {
+  using A = LaneAccess<L>;
+  const StepConstants& c = s.stepOf(p.bodies.a);
+  const L zero = A::splat(0), oldN = A::load(m.kN, lane), oldT = A::load(m.kT, lane);
+  const auto isActive = A::flags(m.activePoints, lane) != zero, stuck = A::flags(m.stick, lane) != zero,
+             isNew = oldN == zero;
+  StiffnessRuleT<L> normal = ruleOfPoints<L>(p.normal);
+  const StiffnessRuleT<L> tangent = ruleOfPoints<L>(p.tangent);
+  L most = A::splat(r.most);
   if (p.bothMove) {
-    normal.limit = contactCeiling(c, p.heavier, r.length, point.depth);
-    most = min(most, normal.limit / normal.perLoad);
+    normal.limit = contactCeiling<L>(c, p.heavier, r.length, point.depth);
+    most = minOf(most, normal.limit / normal.perLoad);
   }
-  const Real lambda = min(warmMultiplier(c, m.lambdaN[k], true), most);
-  Real l1 = warmMultiplier(c, m.lambda1[k], true), l2 = warmMultiplier(c, m.lambda2[k], true);
-  const Real size2 = l1 * l1 + l2 * l2, bound = p.mu * lambda;
-  if (size2 > bound * bound) {
-    const Real cut = bound / std::sqrt(size2);
-    l1 *= cut, l2 *= cut;
-  }
-  const Real kN = !isActive ? Real(0)
-                  : isNew   ? coldStart(normal.start).k
-                            : warmStiffness(c, normal, m.kN[k], lambda);
-  const Real kT = !isActive ? Real(0)
-                  : isNew   ? coldStart(p.tangent.start).k
-                            : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
+  const L lambda = minOf(warmMultiplier(c, A::load(m.lambdaN, lane), true), most);
+  L l1 = warmMultiplier(c, A::load(m.lambda1, lane), true),
+    l2 = warmMultiplier(c, A::load(m.lambda2, lane), true);
+  const L size2 = l1 * l1 + l2 * l2, bound = p.mu * lambda, cut = bound / sqrtOf(size2);
+  const auto beyond = size2 > bound * bound;
+  l1 = select(beyond, l1 * cut, l1), l2 = select(beyond, l2 * cut, l2);
+  const auto stiffness = [&](const StiffnessRuleT<L>& rule, L old, L load) {
+    return select(isActive, select(isNew, rule.start, warmStiffness(c, rule, old, load)), zero);
+  };
+  const L kN = stiffness(normal, oldN, lambda), kT = stiffness(tangent, oldT, sqrtOf(l1 * l1 + l2 * l2));
   // Rows correct only the share driftCorrection of a drift; displacements by surface velocity and settling
   // are corrected in full.
   Vec3 t1, t2;
   tangentBasis(r.n, t1, t2);
   const Real settling1 = dot(t1, p.settling), settling2 = dot(t2, p.settling);
-  const Real share = settlingShare(settling1 * settling1 + settling2 * settling2, bound, kT);
-  drift1 += (dot(t1, p.surfaceShift) + share * settling1) / c.driftCorrection;
-  drift2 += (dot(t2, p.surfaceShift) + share * settling2) / c.driftCorrection;
-  r.place[to] = {point.lever, inheritedViolation(c, point.depth)};
-  r.load[to] = {lambda, l1, l2, kN};
-  r.slip[to] = {c.driftCorrection * drift1, c.driftCorrection * drift2, p.mu, kT};
-  return motion.hits && c.impactRule;
+  const L share = settlingShare(settling1 * settling1 + settling2 * settling2, bound, kT);
+  const auto drift = [&](const Lanes& old, const Vec3& along, Real settling) {
+    return c.driftCorrection *
+           (select(stuck, A::load(old, lane), zero) +
+            (A::splat(dot(along, p.surfaceShift)) + share * settling) / A::splat(c.driftCorrection));
+  };
+  return {{point.lever.x, point.lever.y, point.lever.z, inheritedViolation(c, point.depth)},
+          {lambda, l1, l2, kN},
+          {drift(m.drift1, t1, settling1), drift(m.drift2, t2, settling2), A::splat(p.mu), kT}};
 }
+
+/// Does point k stop a fast approach? Notes what that, and its depth, mean for other stages.
+RUBBLE_HD inline bool notePoint(const SolverData& s, const Manifold& m, const PairRows& p,
+                                const ContactRows& r, int k, Real depth, Real closing) {
+  const StepConstants& c = s.stepOf(p.bodies.a);
+  if (depth > c.contactMargin * r.length) notePressed(s, p.bodies, depth);
+  if ((m.activePoints >> k & 1) && r.restitution > Real(0) && s.counters->bounces == 0 &&
+      isImpact(c, closing, r.length))
+    atomicRaise(&s.counters->bounces, 1);
+  return hits(c, closing, depth, r.length) && c.impactRule;
+}
+
+/// Builds the rows of point k in lane `to` of r. Returns whether the point stops a fast approach.
+RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p,
+                                 const PointMotion<Real>& motion, int k, ContactRows& r, int to) {
+  using A = LaneAccess<Real>;
+  const PointRows<Real> rows = pointRows<Real>(s, m, p, motion.at, r, k);
+  A::storeQuad(r.place, to, rows.place), A::storeQuad(r.load, to, rows.load);
+  A::storeQuad(r.slip, to, rows.slip);
+  return notePoint(s, m, p, r, k, motion.at.depth, motion.closing);
+}
+
+#if !defined(__CUDACC__)
+/// The same for all points at once. Returns the bits of those that stop a fast approach.
+inline unsigned buildPoints(const SolverData& s, const Manifold& m, const PairRows& p,
+                            const PointMotion<Real4>& motion, ContactRows& r) {
+  using A = LaneAccess<Real4>;
+  PointRows<Real4> rows = pointRows<Real4>(s, m, p, motion.at, r, 0);
+  if (m.count < kLanes) {
+    const Real4 zero = A::splat(0);
+    const auto isUsed = A::flags((1u << m.count) - 1, 0) != zero;
+    for (Quad<Real4>* const quad : {&rows.place, &rows.load, &rows.slip})
+      *quad = {select(isUsed, quad->x, zero), select(isUsed, quad->y, zero), select(isUsed, quad->z, zero),
+               select(isUsed, quad->w, zero)};
+    rows.slip.z = A::splat(p.mu);
+  }
+  A::storeQuad(r.place, 0, rows.place), A::storeQuad(r.load, 0, rows.load);
+  A::storeQuad(r.slip, 0, rows.slip);
+  unsigned impact = 0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(m.count); ++k)
+    if (notePoint(s, m, p, r, static_cast<int>(k), motion.at.depth[k], motion.closing[k])) impact |= 1u << k;
+  return impact;
+}
+#endif
 
 /// Does point k touch, up to the gap beyond which a point is inactive?
 RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) {
@@ -285,7 +333,7 @@ RUBBLE_HD inline int joinLevel(const SolverData& s, const ContactRows& r, int im
 }
 
 /// Rows of manifold i at x^t. Inactive points have k = 0.
-struct BuildContactRows {
+template <class L> struct BuildContactRows {
   static constexpr const char* kStage = "rows";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.hasRows[i] == 0) return;
@@ -294,17 +342,25 @@ struct BuildContactRows {
     ContactRows r;
     memset(static_cast<void*>(&r), 0, sizeof r);  // including unused points
     const PairPlace place = pairPlace(s, i);
-    PointMotion motion[kLanes];
     Real fastest = 0;
-    for (int k = 0; k < m.count; ++k) {
-      motion[k] = pointMotion(s, m, place, k);
-      if (motion[k].hits) fastest = max(fastest, motion[k].closing);
+    unsigned impact = 0;
+    if constexpr (sizeof(L) == sizeof(Real)) {
+      PointMotion<Real> motion[kLanes];
+      for (int k = 0; k < m.count; ++k) {
+        motion[k] = pointMotion<Real>(s, m, place, k);
+        fastest = max(fastest, stoppedSpeed(s, place, motion[k].closing, motion[k].at.depth));
+      }
+      const PairRows p = beginRows(s, i, place, fastest, r);
+      for (PointSlip& slip : r.slip) slip.mu = p.mu;
+      for (int k = 0; k < m.count; ++k)
+        if (buildPoint(s, m, p, motion[k], k, r, k)) impact |= 1u << k;
+    } else {
+      const PointMotion<L> motion = pointMotion<L>(s, m, place, 0);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(m.count); ++k)
+        fastest = max(fastest, stoppedSpeed(s, place, motion.closing[k], motion.at.depth[k]));
+      impact = buildPoints(s, m, beginRows(s, i, place, fastest, r), motion, r);
     }
-    const PairRows p = beginRows(s, i, place, fastest, r);
-    for (PointSlip& slip : r.slip) slip.mu = p.mu;
-    m.impact = 0;
-    for (int k = 0; k < m.count; ++k)
-      if (buildPoint(s, m, p, motion[k], k, r, k)) m.impact |= static_cast<std::uint8_t>(1u << k);
+    m.impact = static_cast<ManifoldBits>(impact);
     s.contact[m.row] = r;
     s.rowBodies[m.row] = {r.a, r.b, i};
     s.joinLevel[m.row] = joinLevel(s, r, m.impact);
@@ -322,110 +378,36 @@ template <class L> struct UpdateContactDuals {
   }
 };
 
-/// Rotations and tangents for storing the points of a contact.
-struct StoredFrame {
-  Displacement a, b;
-  Quat rotationA, rotationB;
-  Vec3 t1, t2;
-};
-RUBBLE_HD inline StoredFrame storedFrame(const Vec3& n, const Displacement& a, const Displacement& b) {
-  StoredFrame f{a, b, expRotation(a.dw), expRotation(b.dw), {}, {}};
-  tangentBasis(n, f.t1, f.t2);
-  return f;
-}
-
-/// State of a point at the beginning of the step: the multipliers, which are set for impacts alone, and the
-/// drift since it stuck.
-struct PointBefore {
-  Vec3 lambda{0, 0, 0};
-  Real drift1 = 0, drift2 = 0;
-};
-RUBBLE_HD inline Vec3 multipliersBefore(const Manifold& m, int k) {
-  return {m.lambdaN[k], m.lambda1[k], m.lambda2[k]};
-}
-RUBBLE_HD inline PointBefore pointBefore(const Manifold& m, int k, bool impact) {
-  PointBefore before;
-  if (impact) before.lambda = multipliersBefore(m, k);
-  if (m.stick >> k & 1) before.drift1 = m.drift1[k], before.drift2 = m.drift2[k];
-  return before;
-}
-/// Saves the multipliers with which point k of rows i began the step, if any contact may bounce (bounce.h).
-RUBBLE_HD inline void noteBefore(const SolverData& s, int i, const Manifold& m, int k) {
-  if (i < s.counters->bounceRows) s.bounce[i].before[k] = multipliersBefore(m, k);
-}
-
-/// State that point k passes to the next step, and whether it sticks. An impact passes on the multipliers
-/// from `before` it, not its own.
-struct StoredPoint {
-  PointMemory memory;
-  bool sticks;
-};
-RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows& r, const StoredFrame& f,
-                                         int k, bool impact, const PointBefore& before) {
-  const PointLoad load = r.load[k];
-  const PointSlip slip = r.slip[k];
-  const Vec3 lambda = impact ? before.lambda : Vec3{load.lambdaN, load.lambda1, load.lambda2};
-  const bool active = load.kN > Real(0);
-  PointMemory m{lambda.x,
-                lambda.y,
-                lambda.z,
-                active ? load.kN : r.start,
-                active ? slip.kT : r.start * s.step->tangentStiffness,
-                0,
-                0};
-  // a point slips if its tangential force is on the cone
-  const Real lt2 = load.lambda1 * load.lambda1 + load.lambda2 * load.lambda2, bound = slip.mu * load.lambdaN;
-  const bool stuck = load.lambdaN > Real(0) && lt2 < bound * bound * (Real(1) - Real(1e-5));
-  if (!stuck) {
-    if (r.muStatic == r.muDynamic) return {m, false};
-    // a slipping point passes on the drift that its row has not corrected, which is its slip
-    const Vec3 rA = r.place[k].rA, d = (f.a.dp + cross(f.a.dw, rA)) - (f.b.dp + cross(f.b.dw, rA + r.offset));
-    m.drift1 = slip.drift1 + dot(f.t1, d);
-    m.drift2 = slip.drift2 + dot(f.t2, d);
-    return {m, false};
-  }
-  // exact rotations here: errors of the linearized ones would accumulate from step to step
-  const Vec3 rA = r.place[k].rA;
-  const Vec3 dA = f.a.dp + sweptBy(s, r.a, f.a.dw, f.rotationA, rA, r.n);
-  const Vec3 d = dA - (f.b.dp + sweptBy(s, r.b, f.b.dw, f.rotationB, rA + r.offset, -r.n));
-  // the offsets that the row had for surface velocity and settling are no drift; the surface's motion is
-  m.drift1 = before.drift1 + dot(f.t1, d);
-  m.drift2 = before.drift2 + dot(f.t2, d);
-  if (s.surfaces > 0) {
-    const Vec3 surfaceShift = pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).surfaceShift;
-    m.drift1 += dot(f.t1, surfaceShift);
-    m.drift2 += dot(f.t2, surfaceShift);
-  }
-  return {m, true};
-}
-
 /// The last dual update; stores the state that the points pass to the next step.
 template <class L> struct FinishContacts {
   static constexpr const char* kStage = "store";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     UpdateContactDuals<L>{}(s, i);
-    const ContactRows& r = s.contact[i];
-    Manifold& m = s.manifold[r.manifold];
-    const StoredFrame f = storedFrame(r.n, s.dx[r.a], s.dx[r.b]);
-    std::uint8_t stick = 0;
-    // sums in the order in which four lanes are added
-    static_assert(kLanes == 4);
-    PointSupport even, odd;
-    for (int k = 0; k < m.count; ++k) {
-      const bool impact = m.impact >> k & 1;
-      const PointBefore before = pointBefore(m, k, impact);
-      noteBefore(s, i, m, k);
-      const StoredPoint point = storedPoint(s, r, f, k, impact, before);
-      remember(m, k, point.memory);
-      if (point.sticks) stick |= static_cast<std::uint8_t>(1u << k);
-      const PointSupport own = pointSupport(s, r, f.t1, f.t2, k, !impact);
-      if (k % 2 == 0)
-        even = even + own;
-      else
-        odd = odd + own;
+    store(s, i);
+  }
+  /// Stores what the dual update has left.
+  RUBBLE_HD static void store(const SolverData& s, int i) {
+    if constexpr (sizeof(L) > sizeof(Real)) {
+      storePoints(s, i);
+    } else {
+      const ContactRows& r = s.contact[i];
+      Manifold& m = s.manifold[r.manifold];
+      const StoredFrame f = storedFrame(r.n, s.dx[r.a], s.dx[r.b]);
+      unsigned stick = 0;
+      PointSupport even, odd;
+      for (int k = 0; k < m.count; ++k) {
+        const bool impact = m.impact >> k & 1;
+        const PointBefore before = pointBefore(m, k, impact);
+        noteBefore(s, i, m, k);
+        const StoredPoint point = storedPoint(s, r, f, k, impact, before);
+        remember(m, k, point.memory);
+        if (point.sticks) stick |= 1u << k;
+        PointSupport& sum = k % 2 == 0 ? even : odd;
+        sum = sum + pointSupport(s, r, f.t1, f.t2, k, !impact);
+      }
+      m.stick = static_cast<ManifoldBits>(stick);
+      s.support[i] = supportOf(r, even + odd);
     }
-    m.stick = stick;
-    s.support[i] = supportOf(r, even + odd);
   }
 };
 

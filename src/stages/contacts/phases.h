@@ -11,6 +11,7 @@ namespace rubble::RUBBLE_CORE::contacts {
 
 /// Builds manifolds and rows at x^t.
 template <Executor E> void prepare(E& e) {
+  using L = typename E::Lane;
   const SolverData& s = e.view();
   e.clear(&SolverData::impactSpeedBound, s.bodies);
   e.forEach(FindImpactSpeedBounds{}, &Counters::pairs);
@@ -19,7 +20,7 @@ template <Executor E> void prepare(E& e) {
   e.scan(&SolverData::isActive, &SolverData::activePairOffset, &Counters::pairs, &Counters::activePairs,
          Per::ActivePair);
   e.forEach(ListActivePairs{}, &Counters::pairs);
-  e.forEach(RecycleManifolds{}, &Counters::activePairs);
+  e.forEach(RecycleManifolds<L>{}, &Counters::activePairs);
   e.forEach(TestPairs{}, &Counters::tested);
   if (s.generalShapes) e.forEach(TestGeneralPairs{}, &Counters::tested);
   if (s.oneWay) e.forEach(DecideOneWay{}, &Counters::activePairs);
@@ -31,7 +32,7 @@ template <Executor E> void prepare(E& e) {
     e.forEach(BuildRolling{}, &Counters::rollers);
   }
   e.aliasRows();
-  e.forEach(BuildContactRows{}, &Counters::activePairs);
+  e.forEach(BuildContactRows<L>{}, &Counters::activePairs);
   if (!s.bounces) return;
   e.forEach(CountBounces{}, 1);
   e.require(Per::Bounce, &Counters::bounceRows);

@@ -43,22 +43,33 @@ RUBBLE_HD inline bool moves(const SolverData& s, int body) {
   return s.params[body].kind == BodyKind::Dynamic ? !isAsleep(s, body) : !s.plan.sleeping;
 }
 
-/// Point k of a manifold at x^t.
-struct PointAt {
-  Vec3 lever;  ///< from the center of A to the middle of the gap [m]
-  Real depth;  ///< penetration [m]
+/// Points of a manifold at x^t.
+template <class L> struct PointsAt {
+  Vec3T<L> lever;  ///< from the center of A to the middle of the gap [m]
+  L depth;         ///< penetration [m]
 };
+using PointAt = PointsAt<Real>;
+template <class L>
+RUBBLE_HD RUBBLE_NEAR PointsAt<L> pointsAt(const Manifold& m, int lane, const Vec3& normal, const Quat& qa,
+                                           const Quat& qb, const Vec3& t) {
+  using A = LaneAccess<L>;
+  const Vec3T<L> onA{A::load(m.aX, lane), A::load(m.aY, lane), A::load(m.aZ, lane)};
+  const Vec3T<L> onB{A::load(m.bX, lane), A::load(m.bY, lane), A::load(m.bZ, lane)};
+  const Vec3T<L> xa = rotate(splatQuat<L>(qa), onA), xb = splatVector<L>(t) + rotate(splatQuat<L>(qb), onB);
+  return {A::splat(Real(.5)) * (xa + xb), dot(splatVector<L>(normal), xa - xb)};
+}
 RUBBLE_HD inline PointAt pointAt(const Manifold& m, int k, const Vec3& normal, const Quat& qa, const Quat& qb,
                                  const Vec3& t) {
-  const Vec3 xa = rotate(qa, pointOnA(m, k)), xb = t + rotate(qb, pointOnB(m, k));
-  return {(xa + xb) * Real(.5), dot(normal, xa - xb)};
+  return pointsAt<Real>(m, k, normal, qa, qb, t);
 }
 
-/// Closing speed of a point at x^t; `t` = p_B - p_A [m/s].
-RUBBLE_HD inline Real closingSpeed(const SolverData& s, const OrderedPair& o, const Vec3& n,
-                                   const Vec3& lever, const Vec3& t) {
-  return dot(n, s.velocity[o.a] + cross(s.angularVelocity[o.a], lever) - s.velocity[o.b] -
-                    cross(s.angularVelocity[o.b], lever - t));
+/// Closing speed of points at x^t; `t` = p_B - p_A [m/s].
+template <class L>
+RUBBLE_HD RUBBLE_NEAR L closingSpeed(const SolverData& s, const OrderedPair& o, const Vec3& n,
+                                     const Vec3T<L>& lever, const Vec3& t) {
+  const auto of = [&](const Vec3& a) { return splatVector<L>(a); };
+  return dot(of(n), of(s.velocity[o.a]) + cross(of(s.angularVelocity[o.a]), lever) - of(s.velocity[o.b]) -
+                        cross(of(s.angularVelocity[o.b]), lever - of(t)));
 }
 
 /// Does a point at this depth stop a fast approach in the step? `length`: L of its pair [m].
