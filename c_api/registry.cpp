@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include <nlohmann/json.hpp>
+
 #include "c_api/handles.h"
 #include "io/definition_json.h"
 #include "render/painter.h"
@@ -18,11 +20,11 @@ namespace {
 scenes::Arguments argumentsOf(const char* text) {
   scenes::Arguments out;
   io::readDefinition(textOr(text, "{}"), "arguments", [&](const io::Node& node) {
-    if (!node.value().is_object()) return node.fault("an object with numbers");
-    for (const auto& item : node.value().items()) {
-      const io::Node value = node.child(item.key());
-      out[item.key()] = value.value().is_boolean() ? value.boolean().value_or(false)
-                                                   : value.number().value_or(0);
+    if (!node.value().isObject()) return node.fault("an object with numbers");
+    for (const io::JsonValue* const member : node.value().members()) {
+      const io::Node value = node.member(*member);
+      out[std::string(member->key())] = member->isBoolean() ? value.boolean().value_or(false)
+                                                            : value.number().value_or(0);
     }
   });
   return out;

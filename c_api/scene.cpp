@@ -43,7 +43,7 @@ void validateLast(const Scene& scene, const std::string& list, const std::string
 template <class Read> void readInto(rb_scene& scene, const char* json, const std::string& path, Read&& read) {
   scene.faults.clear();
   const auto value = io::parseJson(textOr(json, ""), scene.faults);
-  if (value) read(io::Node(*value, path, scene.faults));
+  if (value) read(io::Node(value->root(), path, scene.faults));
   if (!scene.faults.empty()) throw io::errorOf(scene.faults.front());
 }
 
@@ -60,7 +60,7 @@ convert::ImportOptions importOptions(const char* json, bool& strict) {
   std::vector<io::Fault> faults;
   const auto value = io::parseJson(textOr(json, "{}"), faults);
   if (value) {
-    io::ObjectReader object(io::Node(*value, "options", faults), "an object of options");
+    io::ObjectReader object(io::Node(value->root(), "options", faults), "an object of options");
     object.read("strict", strict);
     object.read("key", out.key), object.read("srdf", out.srdf),
         object.read("floating_base", out.floatingBase);
@@ -68,8 +68,8 @@ convert::ImportOptions importOptions(const char* json, bool& strict) {
       for (const io::Node& each : folders->elements("a list of folders"))
         out.folders.push_back(each.text().value_or(""));
     if (const auto packages = object.get("packages"))
-      for (const auto& [name, folder] : packages->value().items())
-        out.packages[name] = packages->child(name).text().value_or("");
+      for (const io::JsonValue* const folder : packages->value().members())
+        out.packages[std::string(folder->key())] = packages->member(*folder).text().value_or("");
     object.finish();
   }
   if (!faults.empty()) throw io::errorOf(faults.front());

@@ -1,5 +1,7 @@
 #include <rubble/c/world.h>
 
+#include <nlohmann/json.hpp>
+
 #include "c_api/handles.h"
 #include "io/definition_json.h"
 

@@ -23,9 +23,10 @@ std::uint32_t readLayers(const Node& node) {
 
 /// A list of "x", "y", "z".
 std::array<bool, 3> readAxes(const Node& node) {
+  static const std::vector<std::string> kAxes{"x", "y", "z"};
   std::array<bool, 3> axes{};
   for (const Node& element : node.elements("a list of \"x\", \"y\", \"z\""))
-    if (const auto axis = element.choice({"x", "y", "z"})) axes[*axis] = true;
+    if (const auto axis = element.choice(kAxes)) axes[*axis] = true;
   return axes;
 }
 
@@ -61,18 +62,19 @@ void checkName(const Node& node, const BodyDef& body) {
 void BodyReader::readMaterials(const Node& node) {
   ObjectReader object(node, "an object with a material for each name");
   if (!object.isObject()) return;
-  for (const auto& item : node.value().items()) {
-    const Node value = node.child(item.key());
-    Material& read = materials_[item.key()] = material(value);
+  for (const JsonValue* const each : node.value().members()) {
+    const std::string name(each->key());
+    Material& read = materials_[name] = material(node.member(*each));
     // "name": "" is a material without a name
-    if (value.value().is_object() && !value.value().contains("name")) read.name = item.key();
+    if (each->isObject() && !each->find("name")) read.name = name;
   }
 }
 
 void BodyReader::readShapes(const Node& node) {
   ObjectReader object(node, "an object with a shape for each name");
   if (!object.isObject()) return;
-  for (const auto& item : node.value().items()) shapes_[item.key()] = shape(node.child(item.key()));
+  for (const JsonValue* const each : node.value().members())
+    shapes_[std::string(each->key())] = shape(node.member(*each));
 }
 
 Shape BodyReader::shape(const Node& node) const {
@@ -80,8 +82,8 @@ Shape BodyReader::shape(const Node& node) const {
 }
 
 Material BodyReader::material(const Node& node) const {
-  if (node.value().is_string()) {
-    const std::string name = node.value().get<std::string>();
+  if (node.value().isText()) {
+    const std::string name(node.value().text());
     if (const auto found = materials_.find(name); found != materials_.end()) return found->second;
     std::vector<std::string> names;
     for (const auto& entry : materials_) names.push_back(entry.first);
@@ -92,12 +94,13 @@ Material BodyReader::material(const Node& node) const {
 }
 
 BodyDef BodyReader::body(const Node& node) const {
+  static const std::vector<std::string> kMotions{"static", "kinematic", "dynamic"};
   BodyDef out;
   ObjectReader object(node, "a body");
   if (!object.isObject()) return out;
   object.read("name", out.name);
   if (const auto found = object.get("motion"))
-    out.motion = static_cast<Motion>(found->choice({"static", "kinematic", "dynamic"}).value_or(2));
+    out.motion = static_cast<Motion>(found->choice(kMotions).value_or(2));
   const auto shapeNode = object.need("shape", "such as {\"type\": \"box\", \"size\": [1, 1, 1]}");
   if (shapeNode) out.shape = shape(*shapeNode);
   // A plane has no volume to move: it need not be said that it is static.

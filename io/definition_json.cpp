@@ -26,7 +26,7 @@ Material inlineMaterial(const Node& node) { return readMaterial(node); }
 void readEnd(ObjectReader& object, const char* key, std::optional<int>& out) {
   const auto node = object.get(key);
   if (!node) return;
-  const bool isWorld = node->value() == "world";
+  const bool isWorld = node->value().isText("world");
   out = isWorld ? kWorld : node->whole(0, "the index of a body, or \"world\"").value_or(kWorld);
 }
 
@@ -37,19 +37,19 @@ void readTypeAndName(ObjectReader& object, JointDef& out) {
 }
 
 /// The parameter of a key, or null.
-const ParamField* parameterOf(const std::string& key) {
+const ParamField* parameterOf(std::string_view key) {
   for (const ParamField& field : paramFields())
     if (parameterKey(field.name) == key) return &field;
   return nullptr;
 }
 
 void readParameters(ObjectReader& object, Params& params) {
-  for (const auto& item : object.node().value().items()) {
-    const ParamField* const field = parameterOf(item.key());
+  for (const JsonValue* const member : object.node().value().members()) {
+    const ParamField* const field = parameterOf(member->key());
     if (!field) continue;
-    const auto node = object.get(item.key());
-    const auto value = node->value().is_boolean() ? std::optional<double>(node->boolean().value_or(false))
-                                                  : node->number();
+    const auto node = object.get(member->key());
+    const auto value = node->value().isBoolean() ? std::optional<double>(node->boolean().value_or(false))
+                                                 : node->number();
     if (value) setParam(params, field->name, *value);
   }
 }
@@ -71,8 +71,8 @@ Error errorOf(const Fault& fault) {
 void readDefinition(const std::string& text, const std::string& path,
                     const std::function<void(const Node&)>& read) {
   std::vector<Fault> faults;
-  const std::optional<Json> json = parseJson(text, faults);
-  if (json && faults.empty()) read(Node(*json, path, faults));
+  const std::optional<JsonDocument> json = parseJson(text, faults);
+  if (json && faults.empty()) read(Node(json->root(), path, faults));
   if (!faults.empty()) throw errorOf(faults.front());
 }
 

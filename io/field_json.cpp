@@ -22,29 +22,34 @@ static std::string textOf(const FieldInfo& field) {
   text += std::string(" [") + field.unit + "]";
   return field.rules.infinity ? text + ", or \"" + field.rules.infinity + "\"" : text;
 }
-static Want wanted(const FieldInfo& field, const std::string& text) {
-  return {field.rules.range == FieldRange::Any ? -kInfinity : 0, field.rules.range != FieldRange::Positive,
-          kInfinity, text.c_str()};
+static Want wanted(const FieldInfo& field) {
+  return {field.rules.range == FieldRange::Any ? -kInfinity : 0, field.rules.range != FieldRange::Positive};
 }
 
 void readField(ObjectReader& object, const FieldInfo& field, double& out) {
   const auto node = object.get(field.key);
   if (!node) return;
   const FieldRules& rules = field.rules;
-  const std::string text = textOf(field);
   // the lower side of a limit stays below
-  if (rules.infinity && node->value().is_string() && node->value().get<std::string>() == rules.infinity)
+  if (rules.infinity && node->value().isText(rules.infinity))
     out = std::isinf(out) && out < 0 ? -kInfinity : kInfinity;
-  else if (const auto value = node->number(wanted(field, text)))
+  else if (const auto value = node->numberWithin(wanted(field)))
     out = *value / rules.factor;
+  else
+    node->fault(textOf(field));
 }
 void readField(ObjectReader& object, const FieldInfo& field, Vec3& out) {
   const auto node = object.get(field.key);
   if (!node) return;
-  const std::string text = textOf(field);
-  if (const auto value = field.rules.range == FieldRange::Any ? node->vector()
-                                                              : node->vector(wanted(field, text)))
+  if (const auto value = node->vectorWithin(wanted(field))) {
     out = *value / field.rules.factor;
+    return;
+  }
+  // which number it is
+  Want want = wanted(field);
+  const std::string text = textOf(field);
+  if (field.rules.range != FieldRange::Any) want.text = text.c_str();
+  node->vector(want);
 }
 void readField(ObjectReader& object, const FieldInfo& field, bool& out) { object.read(field.key, out); }
 void readField(ObjectReader& object, const FieldInfo& field, Quat& out) {

@@ -1,5 +1,7 @@
 #pragma once
 /// Values of fields (math/field.h) in files.
+#include <nlohmann/json.hpp>
+
 #include "io/json_reader.h"
 #include "math/field.h"
 

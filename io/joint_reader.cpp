@@ -81,13 +81,19 @@ void readAxes(ObjectReader& object, JointDef& joint) {
 
 }  // namespace
 
-std::vector<JointField> valueFields(const JointKind& kind) {
-  std::vector<JointField> fields = sharedJointFields();
-  std::erase_if(fields, [](const JointField& field) {
-    return std::apply([&](const auto&... place) { return (field.is(place.key) || ...); }, kPlacementFields);
-  });
-  fields.insert(fields.end(), kind.ownFields.begin(), kind.ownFields.end());
-  return fields;
+const std::vector<JointField>& valueFields(const JointKind& kind) {
+  static const std::vector<std::vector<JointField>> all = [] {
+    const auto isPlacement = [](const JointField& field) {
+      return std::apply([&](const auto&... place) { return (field.is(place.key) || ...); }, kPlacementFields);
+    };
+    std::vector<JointField> shared = sharedJointFields();
+    std::erase_if(shared, isPlacement);
+    std::vector<std::vector<JointField>> lists(jointKinds().size(), shared);
+    for (std::size_t k = 0; k < lists.size(); ++k)
+      lists[k].insert(lists[k].end(), jointKinds()[k].ownFields.begin(), jointKinds()[k].ownFields.end());
+    return lists;
+  }();
+  return all[static_cast<std::size_t>(&kind - jointKinds().data())];
 }
 
 const std::vector<std::string>& jointKeywords() {

@@ -2,6 +2,8 @@
 /// Joints of scene files.
 #include <functional>
 
+#include <nlohmann/json.hpp>
+
 #include "forces/joint_kind.h"
 #include "io/json_reader.h"
 
@@ -16,8 +18,8 @@ void readJointValues(ObjectReader& object, JointDef& out);
 const std::vector<std::string>& jointKeywords();
 
 /// Fields of a joint in files, in their order there, without its anchors and frames. Files of any type may
-/// have the fields that JointDef has.
-std::vector<JointField> valueFields(const JointKind& kind);
+/// have the fields that JointDef has. `kind`: one of jointKinds().
+const std::vector<JointField>& valueFields(const JointKind& kind);
 
 /// A joint as files have it; `reference`: how it refers to a body by its index.
 nlohmann::ordered_json jointJson(const JointDef& joint,

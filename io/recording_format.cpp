@@ -101,9 +101,9 @@ std::optional<std::vector<RecordedBody>> getBodies(ByteReader& in) {
     body.name = in.getText();
     if (code & kDescribed) {
       std::vector<Fault> faults;
-      const std::optional<Json> json = parseJson(in.getText(), faults);
+      const std::optional<JsonDocument> json = parseJson(in.getText(), faults);
       if (!json) return std::nullopt;
-      body.shape = readShape(Node(*json, "shape", faults), {}, readMaterial);
+      body.shape = readShape(Node(json->root(), "shape", faults), {}, readMaterial);
       if (!faults.empty()) return std::nullopt;
     }
     if (!isWhole(body.shape)) return std::nullopt;

@@ -127,7 +127,7 @@ void SceneReader::dropLast(SceneFile& out, const std::string& list) {
   }
 }
 
-SceneFile SceneReader::read(const Json& json) {
+SceneFile SceneReader::read(const JsonValue& json) {
   SceneFile out;
   ObjectReader object(Node(json, "", faults_), "a scene");
   if (!object.isObject()) return out;
@@ -143,9 +143,9 @@ SceneFile SceneReader::read(const Json& json) {
 
 SceneFile parseScene(const std::string& text, std::vector<Fault>& faults, const std::string& folder) {
   const std::size_t before = faults.size();
-  const std::optional<Json> json = parseJson(text, faults);
+  const std::optional<JsonDocument> json = parseJson(text, faults);
   if (!json) return {};
-  SceneFile file = SceneReader(faults, folder).read(*json);
+  SceneFile file = SceneReader(faults, folder).read(json->root());
   if (faults.size() == before) {
     // Conditions that the engine checks in addition to this reader.
     try {

@@ -14,7 +14,7 @@ std::vector<std::string> SceneReader::bodyNames() const {
 }
 
 int SceneReader::bodyIndex(const Node& node, const Scene& scene) {
-  if (node.value().is_number_integer()) {
+  if (node.value().isInteger()) {
     const auto index = node.whole(0, "the index of a body, from 0");
     if (index && *index < static_cast<int>(scene.bodies.size())) return *index;
     if (index) node.fault("the index of one of " + std::to_string(scene.bodies.size()) + " bodies");
@@ -185,8 +185,7 @@ FileClaim SceneReader::claim(const Node& node) {
   if (!object.get("min") && !object.get("max"))
     node.faultText("expected \"min\", \"max\" or both, got neither");
   if (out.min > out.max)
-    node.faultText("expected min of at most max, got " + Json(out.min).dump() + " above " +
-                   Json(out.max).dump());
+    node.faultText("expected min of at most max, got " + describe(out.min) + " above " + describe(out.max));
   object.finish();
   return out;
 }

@@ -16,7 +16,7 @@ class SceneReader {
   explicit SceneReader(std::vector<Fault>& faults, std::string folder = "")
       : faults_(faults), folder_(std::move(folder)) {}
 
-  SceneFile read(const Json& json);
+  SceneFile read(const JsonValue& json);
 
   /// Keys of a scene that are no lists: "gravity", "materials", "camera".
   static const std::vector<std::string>& keys();

@@ -201,7 +201,7 @@ Json SceneWriter::write() {
     json["material_pairs"].push_back(materialPairJson(pair));
   for (const auto& [name, shape] : shapes_) json["shapes"][name] = shapeJson(shape);
   json["bodies"] = Json::array();
-  for (const BodyDef& added : scene.bodies) json["bodies"].push_back(body(added));
+  for (Json& list = json["bodies"]; const BodyDef& added : scene.bodies) list.push_back(body(added));
   for (const JointDef& added : scene.joints) json["joints"].push_back(joint(added));
   for (const Deformable& object : scene.deformables)
     json["deformables"].push_back(deformableJson(object, materialName(common(object).material)));

@@ -67,7 +67,7 @@ std::array<int, count> readCounts(const Node& node, int least, const char* what)
   out.fill(least);
   const std::vector<Node> list = node.elements(what);
   if (list.size() != count) {
-    if (node.value().is_array()) node.fault(what);
+    if (node.value().isList()) node.fault(what);
     return out;
   }
   for (std::size_t i = 0; i < count; ++i) out[i] = list[i].whole(least, what).value_or(least);
@@ -78,8 +78,8 @@ std::array<int, count> readCounts(const Node& node, int least, const char* what)
 
 Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
                 const std::function<Material(const Node&)>& material) {
-  if (node.value().is_string()) {
-    const std::string name = node.value().get<std::string>();
+  if (node.value().isText()) {
+    const std::string name(node.value().text());
     if (const auto found = named.find(name); found != named.end()) return found->second;
     std::vector<std::string> names;
     for (const auto& entry : named) names.push_back(entry.first);
@@ -87,7 +87,8 @@ Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
     return {};
   }
   ObjectReader object(node, "a shape, such as {\"type\": \"box\", \"size\": [1, 1, 1]}");
-  const auto type = object.need("type", oneOf(shapeKeywords()));
+  static const std::string kTypes = oneOf(shapeKeywords());
+  const auto type = object.need("type", kTypes);
   if (!type) return {};
   const auto choice = type->choice(shapeKeywords());
   if (!choice) return {};
@@ -136,7 +137,7 @@ Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
       const std::vector<Node> list = found->elements("two lengths [m]");
       if (list.size() == 2)
         spacing = {list[0].number(kLength).value_or(1), list[1].number(kLength).value_or(1), 0};
-      else if (found->value().is_array())
+      else if (found->value().isList())
         found->fault("two lengths [m]");
     }
     out = Shape::heightField(counts[0], counts[1], spacing,
@@ -152,7 +153,8 @@ Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
                                readNumbers(object, "distances", "a list of distances [m]"));
   }
   for (const ShapeField& field : traits.fields) {
-    if (field.rules.always) object.need(field.key, field.doc + std::string(" [") + field.unit + "]");
+    if (field.rules.always && !object.get(field.key))
+      object.need(field.key, field.doc + std::string(" [") + field.unit + "]");
     field.visit(out, [&](auto& value) { readField(object, field, value); });
   }
   object.finish();
@@ -176,7 +178,7 @@ Material readMaterial(const Node& node) {
   object.read("restitution", out.restitution, kRatio);
   if (out.dynamicFriction > out.staticFriction)
     node.faultText("expected dynamic_friction of at most static_friction, got " +
-                   Json(out.dynamicFriction).dump() + " above " + Json(out.staticFriction).dump());
+                   describe(out.dynamicFriction) + " above " + describe(out.staticFriction));
   const auto rule = [&](const char* key, Combine& to) {
     if (const auto found = object.get(key)) to = static_cast<Combine>(found->choice(kRules).value_or(0));
   };
@@ -211,7 +213,7 @@ MaterialPair readMaterialPair(const Node& node) {
 }
 
 Quat readOrientation(const Node& node) {
-  if (node.value().is_object()) {
+  if (node.value().isObject()) {
     ObjectReader object(node);
     Vec3 axis{0, 0, 1};
     double degrees = 0;
@@ -227,7 +229,7 @@ Quat readOrientation(const Node& node) {
   constexpr const char*
       kText = "a unit quaternion [w, x, y, z], or {\"axis\": [x, y, z], \"degrees\": angle}";
   std::array<double, 4> q{};
-  if (!node.value().is_array() || node.value().size() != 4) {
+  if (!node.value().isList() || node.value().size() != 4) {
     node.fault(kText);
     return {};
   }
@@ -240,7 +242,7 @@ Quat readOrientation(const Node& node) {
   const Quat out{q[0], q[1], q[2], q[3]};
   const double size = std::sqrt(out.s * out.s + lengthSquared(out.v));
   if (!(std::fabs(size - 1) <= kNearlyUnit)) {
-    node.faultText(std::string("expected ") + kText + ", got a length of " + Json(size).dump());
+    node.faultText(std::string("expected ") + kText + ", got a length of " + describe(size));
     return {};
   }
   return std::fabs(size - 1) <= kUnit ? out : normalize(out);

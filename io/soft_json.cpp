@@ -31,7 +31,7 @@ class FieldReader {
   static void read(const Node& node, Vec3& out) { out = node.vector().value_or(out); }
   static void read(const Node& node, double& out) {
     // unbounded values may be given as a word
-    const bool word = node.value() == "hard" || node.value() == "never";
+    const bool word = node.value().isText("hard") || node.value().isText("never");
     if (!(word && std::isinf(out))) out = node.number().value_or(out);
   }
   static void read(const Node& node, std::optional<double>& out) { out = node.number(); }
@@ -141,7 +141,7 @@ constexpr auto kFieldsOfAttachment = [](auto& def, auto&& f) { attachmentFields(
 
 /// The index of an object of the scene, by index or name.
 int objectIndex(const Node& node, const std::vector<Deformable>& objects) {
-  if (node.value().is_number_integer()) {
+  if (node.value().isInteger()) {
     const auto index = node.whole(0, "the index of a deformable object, from 0");
     if (index && *index < static_cast<int>(objects.size())) return *index;
     if (index) node.fault("the index of one of " + std::to_string(objects.size()) + " deformable objects");

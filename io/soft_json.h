@@ -2,6 +2,8 @@
 /// Deformable objects and attachments of scene files.
 #include <functional>
 
+#include <nlohmann/json.hpp>
+
 #include "io/json_reader.h"
 
 namespace rubble::io {

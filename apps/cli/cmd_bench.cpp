@@ -5,6 +5,7 @@
 #include "apps/cli/command.h"
 #include "apps/cli/edit_bench.h"
 #include "apps/cli/job.h"
+#include "apps/cli/make_bench.h"
 #include "apps/cli/measure.h"
 #include "apps/cli/search.h"
 #include "apps/cli/session.h"
@@ -27,6 +28,7 @@ struct BenchOptions {
   bool search = false;
   bool noStages = false;
   bool edits = false;
+  bool making = false;
   int worlds = 0;
   double limitMs = 1000.0 / 60;
 };
@@ -62,6 +64,12 @@ int bench(BenchOptions options) {
   if (options.edits) {
     constexpr int kEditSteps = 80;
     benchEdits(options.job, options.scenes, options.job.steps.value_or(kEditSteps), options.jsonFile);
+    return kHolds;
+  }
+  if (options.making) {
+    constexpr int kRounds = 5;
+    options.job.threads = options.threads.front();
+    benchMaking(options.job, options.scenes, options.job.steps.value_or(kRounds), options.jsonFile);
     return kHolds;
   }
   if (options.worlds > 0) {
@@ -121,6 +129,9 @@ void addBench(CLI::App& app, int& status) {
   command->add_flag("--edits", options->edits,
                     "Instead of phases: what an edit or a query before every step costs. --steps: for each "
                     "kind of edit");
+  command->add_flag("--making", options->making,
+                    "Instead of phases: what it takes to make the world and to write and read its file. "
+                    "--steps: rounds, of which the table has the medians (default 5)");
   command
       ->add_option("--worlds", options->worlds,
                    "Instead of phases: that many worlds of each scene in one batch (rubble/worlds.h)")

@@ -1,5 +1,6 @@
 #include "cook/checks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -24,6 +25,17 @@ std::string bounded(const std::string& what) {
 }
 
 bool isFinite(double a) { return std::fabs(a) <= kLargestNumber; }
+bool isUnit(const Quat& q) {
+  constexpr double kNearlyUnit = 1e-3;
+  return std::fabs(std::sqrt(q.s * q.s + dot(q.v, q.v)) - 1) < kNearlyUnit;
+}
+
+/// Does a number keep the rules of a field? `finite`: it may not be larger than any number.
+bool holds(const FieldInfo& info, double a, bool finite) {
+  if (finite && !isFinite(a)) return false;
+  if (info.rules.range == FieldRange::Any) return true;
+  return info.rules.range == FieldRange::Positive ? a > 0 : a >= 0;
+}
 
 }  // namespace
 
@@ -63,8 +75,8 @@ void moments(const Vec3& a, const Path& path) {
     throw Error(path, "moments none of which is above the sum of the others", text(a));
 }
 void unit(const Quat& q, const Path& path) {
-  const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
-  if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));
+  if (!isUnit(q))
+    throw Error(path, "a unit quaternion", "one of norm " + text(std::sqrt(q.s * q.s + dot(q.v, q.v))));
 }
 void rotation(const Quat& q, const Path& path) {
   const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
@@ -89,7 +101,9 @@ void material(const Material& m, const Path& path) {
   finite(m.oneWay, path + ".oneWay");
 }
 
+// the name of a field is put together for an error only
 void field(const FieldInfo& info, double value, const Path& path) {
+  if (holds(info, value, !info.rules.infinity)) return;
   const std::string name = "." + std::string(info.name());
   const Path own = path + name;
   const bool infinite = info.rules.infinity != nullptr;
@@ -101,6 +115,7 @@ void field(const FieldInfo& info, double value, const Path& path) {
     finite(value, own);
 }
 void field(const FieldInfo& info, const Vec3& value, const Path& path) {
+  if (holds(info, value.x, true) && holds(info, value.y, true) && holds(info, value.z, true)) return;
   const std::string name = "." + std::string(info.name());
   const Path own = path + name;
   if (info.rules.range == FieldRange::Any) return finite(value, own);
@@ -108,10 +123,12 @@ void field(const FieldInfo& info, const Vec3& value, const Path& path) {
   check(value.x, own + ".x"), check(value.y, own + ".y"), check(value.z, own + ".z");
 }
 void field(const FieldInfo& info, const Quat& value, const Path& path) {
+  if (isUnit(value)) return;
   unit(value, path + ("." + std::string(info.name())));
 }
 
 void field(const FieldInfo& info, const std::vector<double>& value, const Path& path) {
+  if (std::ranges::all_of(value, [](double each) { return isFinite(each); })) return;
   finite(value, path + ("." + std::string(info.name())));
 }
 

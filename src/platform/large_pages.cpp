@@ -1,24 +1,22 @@
 #include "platform/large_pages.h"
 
+#include <cstdint>
+
 #if defined(__linux__)
 #include <sys/mman.h>
-#include <unistd.h>
-
-#include <cstdint>
 #endif
 
 namespace rubble::platform {
 
-#if defined(__linux__)
-void preferLargePages(void* memory, std::size_t bytes) {
-  const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
-  const std::uintptr_t begin = (reinterpret_cast<std::uintptr_t>(memory) + page - 1) / page * page,
-                       end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / page * page;
-  // a refusal leaves the pages as they are
-  if (begin < end) static_cast<void>(madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE));
-}
-#else
-void preferLargePages(void*, std::size_t) {}
+void preferLargePages([[maybe_unused]] void* begin, [[maybe_unused]] std::size_t bytes) noexcept {
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+  constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
+  constexpr std::size_t kLargeBlock = 2 * kPage;
+  if (bytes < kLargeBlock) return;
+  const auto at = reinterpret_cast<std::uintptr_t>(begin);
+  const std::uintptr_t first = (at + kPage - 1) / kPage * kPage, last = (at + bytes) / kPage * kPage;
+  madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
 #endif
+}
 
 }  // namespace rubble::platform

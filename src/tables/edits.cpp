@@ -25,6 +25,7 @@ struct Needs {
   bool rolling = tables.view().rolls, rollingRules = false;
 
   void operator()(const SetBody& e) { bodies = std::max(bodies, e.id + 1); }
+  void operator()(const AddBodies& e) { bodies = std::max(bodies, e.ids); }
   void operator()(const SetBodyState&) {}
   void operator()(const AddForce&) {}
   void operator()(const AddVelocity&) {}
@@ -79,6 +80,9 @@ struct Apply {
     (e.keepsState ? setBodyParams : setBody)(tables, slot(e.id), e.body);
     if (e.number < 0) return;
     tables.view().idOf[slot(e.id)] = e.number, tables.view().worldOfBody[slot(e.id)] = e.world;
+  }
+  void operator()(const AddBodies& e) const {
+    for (int k = 0; k < e.count; ++k) (*this)(e.at(k));
   }
   void operator()(const SetBodyState& e) const { setBodyState(tables, slot(e.id), e.state); }
   void operator()(const AddForce& e) const {

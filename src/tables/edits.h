@@ -1,5 +1,6 @@
 #pragma once
 /// Edits of the tables. Bodies are addressed by id, everything else by slot or index.
+#include <functional>
 #include <variant>
 
 #include "tables/records.h"
@@ -13,6 +14,13 @@ struct SetBody {
   bool keepsState = false;  ///< changes authored data only, of a body that exists
   int world = 0;
   int number = -1;  ///< id of the body in its world; -1: its id in the tables
+};
+/// Adds bodies that are made one at a time, so that many need no list. Body k is at(k), with an id below
+/// `ids`; at() may be called by several engines at once, and does not throw.
+struct AddBodies {
+  int ids;
+  int count;
+  std::function<SetBody(int k)> at;
 };
 struct SetBodyState {
   int id;
@@ -73,7 +81,8 @@ struct AddVertexForce {
   Vec3 force;
 };
 
-using Edit = std::variant<SetBody, SetBodyState, AddForce, AddVelocity, ForgetContacts, AddShape, SetSurfaces,
-                          SetPlanes, SetJoint, SetExcluded, SetDeformables, SetVertices, AddVertexForce>;
+using Edit = std::variant<SetBody, AddBodies, SetBodyState, AddForce, AddVelocity, ForgetContacts, AddShape,
+                          SetSurfaces, SetPlanes, SetJoint, SetExcluded, SetDeformables, SetVertices,
+                          AddVertexForce>;
 
 }  // namespace rubble

@@ -13,12 +13,10 @@ namespace rubble {
 /// pages cost neither time nor memory, such as host copies of work arrays of the device.
 struct HostMemory {
   static constexpr std::size_t kLine = 64;
-  /// Blocks of this size ask for large pages, of 2 MiB each on many processors [bytes].
-  static constexpr std::size_t kLarge = std::size_t{4} << 20;
   static void* allocate(std::size_t bytes) {
     void* const own = std::calloc(bytes + 2 * kLine, 1);
     if (!own) throw std::bad_alloc();
-    if (bytes >= kLarge) platform::preferLargePages(own, bytes);
+    platform::preferLargePages(own, bytes);
     // the pointer of calloc is stored before the first cache line that leaves room for it
     auto* const line = static_cast<std::byte*>(own) +
                        (2 * kLine - reinterpret_cast<std::uintptr_t>(own) % kLine);

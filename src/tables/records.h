@@ -24,10 +24,12 @@ struct EngineBody {
   int kind = 0;
   CookedData shape;   ///< `data` is an offset into the tables of the engine
   double radius = 0;  ///< of the bounding sphere about the origin [m]
-  Material material;
-  /// Index into the materials of setSurfaces. -1: the friction and restitution below, with Combine::Usual.
+  double staticFriction = Material().staticFriction, dynamicFriction = Material().dynamicFriction;
+  double restitution = 0;
+  /// Index into the materials of SetSurfaces. -1: the coefficients above, with Combine::Usual.
   int surface = -1;
-  MassProperties mass;
+  double mass = 0;  ///< [kg]
+  Vec3 inertia;     ///< principal moments [kg m2]
   double gravityScale = 1;
   double linearDamping = 0, angularDamping = 0;
   int locks = 0;  ///< bits 0-2: locked translation along x, y, z; bits 3-5: locked rotation

@@ -105,12 +105,12 @@ void setBodyParams(HostTables& tables, int slot, const EngineBody& body) {
   if (p.kind != kind) tables.trees.touch(slot);
   p.kind = kind;
   const bool dynamic = p.kind == BodyKind::Dynamic;
-  p.mass = dynamic ? static_cast<Real>(body.mass.mass) : Real(0);
-  p.inertia = dynamic ? Vec3(body.mass.inertia) : Vec3{0, 0, 0};
+  p.mass = dynamic ? static_cast<Real>(body.mass) : Real(0);
+  p.inertia = dynamic ? Vec3(body.inertia) : Vec3{0, 0, 0};
   p.radius = static_cast<Real>(body.radius);
-  p.muStatic = static_cast<Real>(body.material.staticFriction);
-  p.muDynamic = static_cast<Real>(body.material.dynamicFriction);
-  p.restitution = static_cast<Real>(body.material.restitution);
+  p.muStatic = static_cast<Real>(body.staticFriction);
+  p.muDynamic = static_cast<Real>(body.dynamicFriction);
+  p.restitution = static_cast<Real>(body.restitution);
   p.gravityScale = static_cast<Real>(body.gravityScale);
   p.surface = body.surface;
   // Member by member: padding is hashed too, and that of a temporary is undefined.

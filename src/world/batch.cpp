@@ -149,6 +149,9 @@ struct Batch::Translate {
     }
     batch.engine_->apply(e);
   }
+  void operator()(const AddBodies& e) const {
+    for (int k = 0; k < e.count; ++k) (*this)(e.at(k));
+  }
   void operator()(SetBodyState e) const { e.id = body(e.id), batch.engine_->apply(e); }
   void operator()(AddForce e) const { e.id = body(e.id), batch.engine_->apply(e); }
   void operator()(AddVelocity e) const { e.id = body(e.id), batch.engine_->apply(e); }

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "cook/checks.h"
-#include "world/world_impl.h"
+#include "world/body_additions.h"
 
 namespace rubble {
 
@@ -72,18 +72,12 @@ std::vector<BodyId> World::addBodies(std::span<const BodyDef> bodies) {
   return ids;
 }
 
-std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies, const std::string& list) {
-  std::unordered_map<std::string_view, std::size_t> names;
-  std::vector<CookedEntry> fresh;
-  std::vector<ReadyBody> ready;
-  ready.reserve(bodies.size());
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
-    ready.push_back(this->ready(bodies[k], Path(list)[k], fresh));
-    if (!bodies[k].name.empty())
-      expect(names.emplace(bodies[k].name, k).second, Path(list)[k] + ".name", kOwnName,
-             "\"" + bodies[k].name + "\"");
-  }
-  return addBodies(bodies, ready);
+std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies, const Path& list) {
+  BodyAdditions added(registry, cooked.get(), bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) added.add(bodies[k], list[k]);
+  std::vector<BodyId> ids = added.commit(*engine);
+  epoch += static_cast<std::int64_t>(bodies.size());
+  return ids;
 }
 
 void World::removeBodies(std::span<const BodyId> ids) {

@@ -32,8 +32,7 @@ EngineQuery filtered(const QueryFilter& filter, const Registry& registry) {
 /// Authored index of a triangle in the tables.
 int authoredTriangle(const Registry& registry, const Shape& shape, int triangle) {
   if (triangle < 0 || shape.type != ShapeType::Mesh) return triangle;
-  const CookedEntry* const entry = findCooked(registry.shapes, shape);
-  return entry->cooked->triangleOrder[static_cast<std::size_t>(triangle)];
+  return registry.shapes.find(shape)->cooked->triangleOrder[static_cast<std::size_t>(triangle)];
 }
 
 /// The part of a hit that all kinds have.
@@ -162,19 +161,19 @@ class QueryShapeList {
   int place(const Shape& shape, const Path& path) {
     std::shared_ptr<const CookedShape> cooked;
     if (shape.geometry) {
-      if (const CookedEntry* own = findCooked(entries_, shape)) return own->indexBase;
-      if (const CookedEntry* entry = findCooked(registry_.shapes, shape)) cooked = entry->cooked;
+      if (const CookedEntry* own = entries_.find(shape)) return own->indexBase;
+      if (const CookedEntry* entry = registry_.shapes.find(shape)) cooked = entry->cooked;
     }
     if (!cooked) cooked = std::make_shared<const CookedShape>(cook(shape, path));
     const int place = static_cast<int>(cooked_.size());
     cooked_.push_back(cooked);
-    if (shape.geometry) entries_.push_back({shape, cooked, place});
+    if (shape.geometry) entries_.add({shape, cooked, place});
     return place;
   }
 
   const Registry& registry_;
   std::vector<std::shared_ptr<const CookedShape>> cooked_;
-  std::vector<CookedEntry> entries_;  ///< shapes with geometry, and their places
+  CookedShapes entries_;  ///< with their places
 };
 
 }  // namespace

@@ -1,11 +1,7 @@
 #pragma once
 /// Conversion between the authored frame of a shape and the engine frame, which has its origin at the center
 /// of mass and its axes along the principal axes.
-#include <memory>
-
 #include <rubble/world.h>
-
-#include "collision/cooked_shape.h"
 
 namespace rubble {
 
@@ -30,13 +26,6 @@ struct ShapeFrame {
     s.position -= rotate(s.orientation, center);
     return s;
   }
-};
-
-/// A shape whose tables the engine has.
-struct CookedEntry {
-  Shape key;
-  std::shared_ptr<const CookedShape> cooked;
-  int indexBase;  ///< offset of its indices in the shape tables
 };
 
 }  // namespace rubble

@@ -49,26 +49,6 @@ bool sameShape(const Shape& a, const Shape& b) {
          std::ranges::equal(g.parts, h.parts, samePart);
 }
 
-const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape) {
-  const auto found = std::find_if(entries.begin(), entries.end(), [&](const CookedEntry& e) {
-    return e.key.geometry == shape.geometry && e.key.type == shape.type && e.key.rounding == shape.rounding;
-  });
-  return found == entries.end() ? nullptr : &*found;
-}
-
-std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, const Path& path,
-                                                          std::vector<CookedEntry>& fresh) const {
-  if (!shape.geometry) return std::make_shared<const CookedShape>(cook(shape, path));
-  for (const std::span<const CookedEntry> entries :
-       {std::span(registry.shapes), std::span<const CookedEntry>(fresh)})
-    if (const CookedEntry* entry = findCooked(entries, shape)) return entry->cooked;
-  if (cooked)
-    if (const CookedEntry* entry = findCooked(*cooked, shape)) return entry->cooked;
-  fresh.push_back({shape, std::make_shared<const CookedShape>(cook(shape, path)), 0});
-  if (cooked) cooked->push_back(fresh.back());
-  return fresh.back().cooked;
-}
-
 int TableAdditions::addSurface(const Material& material) {
   surfaces_.push_back(material);
   return static_cast<int>(registry_.surfaces.size() + surfaces_.size()) - 1;
@@ -86,26 +66,34 @@ int TableAdditions::surfaceOf(const Material& authored, const Quat& axes) {
   return addSurface(material);
 }
 
-int TableAdditions::placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked) {
-  if (!shape.geometry) return 0;
-  for (const std::vector<CookedEntry>* list : {&registry_.shapes, &std::as_const(shapes_)})
-    if (const CookedEntry* entry = findCooked(*list, shape)) return entry->indexBase;
+PlacedShape TableAdditions::place(const Shape& shape, const Path& path) {
+  if (!shape.geometry) {
+    // bodies in sequence often have one shape
+    if (!plain_ || !sameShape(shape, *plain_)) plainCooked_ = cook(shape, path), plain_ = shape;
+    return {plainCooked_, 0};
+  }
+  for (const CookedShapes* const list : {&registry_.shapes, &std::as_const(shapes_)})
+    if (const CookedEntry* entry = list->find(shape)) return {*entry->cooked, entry->indexBase};
+  const CookedEntry* const other = cooked_ ? cooked_->find(shape) : nullptr;
+  CookedEntry entry{shape, other ? other->cooked : std::make_shared<const CookedShape>(cook(shape, path)), 0};
+  if (cooked_ && !other) cooked_->add(entry);
   std::vector<int>& surfaces = partSurfaces_.emplace_back();
-  for (const CookedPart& part : cooked->parts) {
-    int surface = part.material ? surfaceOf(*part.material, cooked->unit.axes) : -1;
+  for (const CookedPart& part : entry.cooked->parts) {
+    int surface = part.material ? surfaceOf(*part.material, entry.cooked->unit.axes) : -1;
     // a material that overrides that of the body is always in the table
     if (part.material && surface < 0) surface = addSurface(*part.material);
     surfaces.push_back(surface);
   }
-  shapes_.push_back({shape, cooked, registry_.shapeIndices + indices_});
-  indices_ += static_cast<int>(cooked->indices.size());
-  return shapes_.back().indexBase;
+  entry.indexBase = registry_.shapeIndices + indices_;
+  indices_ += static_cast<int>(entry.cooked->indices.size());
+  shapes_.add(entry);
+  return {*entry.cooked, entry.indexBase};
 }
 
 std::vector<Edit> TableAdditions::edits() const {
   std::vector<Edit> out;
-  for (std::size_t k = 0; k < shapes_.size(); ++k)
-    out.push_back(AddShape{shapes_[k].cooked, partSurfaces_[k]});
+  for (std::size_t k = 0; k < partSurfaces_.size(); ++k)
+    out.push_back(AddShape{shapes_.entries()[k].cooked, partSurfaces_[k]});
   if (!surfaces_.empty()) out.push_back(surfacesEdit(surfaces(), registry_.materialPairs));
   return out;
 }
@@ -140,12 +128,12 @@ SetSurfaces surfacesEdit(std::vector<Material> surfaces, std::span<const Materia
 
 void TableAdditions::prepare(Registry& registry) const {
   reserveMore(registry.surfaces, static_cast<int>(surfaces_.size()));
-  reserveMore(registry.shapes, static_cast<int>(shapes_.size()));
+  registry.shapes.prepare(shapes_);
 }
 
 void TableAdditions::commit(Registry& registry) noexcept {
   registry.surfaces.insert(registry.surfaces.end(), surfaces_.begin(), surfaces_.end());
-  std::move(shapes_.begin(), shapes_.end(), std::back_inserter(registry.shapes));
+  registry.shapes.take(std::move(shapes_));
   registry.shapeIndices += indices_;
 }
 

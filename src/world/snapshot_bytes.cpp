@@ -123,10 +123,19 @@ template <class A> void fields(A& a, CookedEntry& e) {
   all(a, e.key, e.indexBase);
   if constexpr (A::kReads) e.cooked = std::make_shared<const CookedShape>(cook(e.key, "snapshot"));
 }
+template <class A> void fields(A& a, CookedShapes& shapes) {
+  if constexpr (A::kReads)
+    shapes.fill([&](std::vector<CookedEntry>& entries) { fields(a, entries); });
+  else
+    fields(a, const_cast<std::vector<CookedEntry>&>(shapes.entries()));  // a writer changes nothing
+}
 template <class A, class I, class Def> void fields(A& a, Slots<I, Def>& slots) {
   slots.forLists([&](auto& items, auto& free) {
     items.resize(countOf(a, items.size()));
-    for (auto& item : items) all(a, item.def, item.generation, item.alive);
+    for (auto& item : items) {
+      all(a, item.generation, item.alive);
+      if (item.alive) fields(a, item.def);
+    }
     fields(a, free);
   });
 }
@@ -156,7 +165,7 @@ template <class A> void fields(A& a, Registry& r) {
 
 namespace {
 
-constexpr std::string_view kMagic = "rubble snapshot 1\n";
+constexpr std::string_view kMagic = "rubble snapshot 2\n";
 
 /// What has to be equal for bytes to be read: the version, and the layout of the tables.
 std::string layoutOf(bool doublePrecision) {

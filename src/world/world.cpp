@@ -7,6 +7,7 @@
 
 #include "cook/checks.h"
 #include "math/portable.h"
+#include "world/body_additions.h"
 #include "world/log.h"
 #include "world/world_impl.h"
 
@@ -108,6 +109,7 @@ void World::Impl::build(const Scene& scene) {
   const auto idOf = [&](int body) {
     return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)];
   };
+  r.joints.prepare(static_cast<int>(scene.joints.size()));
   for (const JointDef& joint : scene.joints)
     addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.frameBodyA), idOf(joint.frameBodyB));
   for (const auto& [a, b] : scene.exclusions) exclude(idOf(a), idOf(b), true);
@@ -195,9 +197,11 @@ double World::time() const { return impl_->registry.time; }
 BodyId World::addBody(const BodyDef& body) {
   const BodyId id = withMemory("addBody", [&] {
     validate(body, "body");
-    std::vector<CookedEntry> fresh;
-    const ReadyBody ready = impl_->ready(body, "body", fresh);
-    return impl_->addBodies({&body, 1}, {&ready, 1}).front();
+    BodyAdditions added(impl_->registry, impl_->cooked.get(), 1);
+    added.add(body, "body");
+    const BodyId id = added.commit(*impl_->engine).front();
+    ++impl_->epoch;
+    return id;
   });
   impl_->pass(inputs::AddBodies{{&body, 1}});
   return id;

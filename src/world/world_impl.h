@@ -8,14 +8,16 @@
 #include <rubble/events.h>
 
 #include "backend/engine.h"
+#include "platform/large_pages.h"
 #include "world/body_record.h"
+#include "world/cooked_shapes.h"
 #include "world/joint_build.h"
 #include "world/shape_frame.h"
 
 namespace rubble {
 
 /// Reserves `count` more elements. Repeated calls cost no more than push_back.
-template <class T> void reserveMore(std::vector<T>& list, int count = 1) {
+template <class List> void reserveMore(List& list, int count = 1) {
   const std::size_t needed = list.size() + static_cast<std::size_t>(count);
   if (needed > list.capacity()) list.reserve(std::max(needed, 2 * list.capacity()));
 }
@@ -34,7 +36,7 @@ template <class Id, class Def> class Slots {
     return {index, item(index).generation + 1};
   }
   Id add(Def def) {
-    std::vector<Item>& items = own(items_);
+    auto& items = own(items_);
     std::vector<std::int32_t>& free = own(free_);
     if (free.empty()) {
       items.push_back({std::move(def), 0, true});
@@ -47,8 +49,15 @@ template <class Id, class Def> class Slots {
     return {index, item.generation};
   }
   void remove(Id id) {
-    own(items_)[static_cast<std::size_t>(id.index)].alive = false;
+    Item& item = own(items_)[static_cast<std::size_t>(id.index)];
+    item.def = Def(), item.alive = false;
     own(free_).push_back(id.index);
+  }
+  /// Undoes the last add(), which has given this id.
+  void takeBack(Id id) {
+    if (id.generation == 0) return own(items_).pop_back();
+    remove(id);
+    --own(items_)[static_cast<std::size_t>(id.index)].generation;
   }
   bool alive(Id id) const {
     return id.index >= 0 && id.index < size() && item(id.index).alive &&
@@ -84,14 +93,9 @@ template <class Id, class Def> class Slots {
     return *shared;
   }
 
-  std::shared_ptr<std::vector<Item>> items_ = std::make_shared<std::vector<Item>>();
+  using Items = std::vector<Item, platform::LargePageAllocator<Item>>;
+  std::shared_ptr<Items> items_ = std::make_shared<Items>();
   std::shared_ptr<std::vector<std::int32_t>> free_ = std::make_shared<std::vector<std::int32_t>>();
-};
-
-/// Everything derived from the definition of a body before the world is changed.
-struct ReadyBody {
-  std::shared_ptr<const CookedShape> cooked;
-  MassProperties mass;
 };
 
 /// Expectation in the error for a duplicate name.
@@ -100,9 +104,6 @@ inline constexpr const char* kOwnName = "a name that no other body has";
 /// Throws Error unless World::scatter can take these arrays.
 void checkScatter(StateArray which, const ArrayView& rows, const ArrayView& values);
 void checkScatter(JointArray which, const ArrayView& rows, const ArrayView& values);
-
-/// Null if no shape has the same geometry.
-const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape);
 
 bool ofSameMaterials(const MaterialPair& p, const MaterialPair& q);
 /// The materials with those rules of which both materials are among them.
@@ -189,7 +190,7 @@ struct Registry {
   std::unordered_map<std::string, BodyId> bodyNames;
   std::unordered_map<std::string, JointId> jointNames;
   std::vector<BodyId> sceneBodies;
-  std::vector<CookedEntry> shapes;  ///< those with geometry in the tables of the engine
+  CookedShapes shapes;  ///< those in the tables of the engine
   int shapeIndices = 0, shapeParts = 0;
   std::vector<Material> surfaces;           ///< those in the material table of the engine
   std::vector<MaterialPair> materialPairs;  ///< at most one of two names
@@ -243,9 +244,9 @@ struct World::Impl {
   LogSink log;
   TaskSystem tasks;  ///< of the host
   inputs::Sink inputs;
-  std::string difference;                            ///< of the reports
-  bool inBatch = false;                              ///< parameters are those of all worlds of a batch
-  std::shared_ptr<std::vector<CookedEntry>> cooked;  ///< shapes of other worlds of the batch, or null
+  std::string difference;                ///< of the reports
+  bool inBatch = false;                  ///< parameters are those of all worlds of a batch
+  std::shared_ptr<CookedShapes> cooked;  ///< shapes of other worlds of the batch, or null
   Events events;
 
   /// Tells the sink of inputs, if there is one, of a call.
@@ -261,14 +262,8 @@ struct World::Impl {
   void finishStep(StepReport& report);
   /// Takes over everything of a snapshot but the state of its engine.
   void restoreRecords(Registry&& from, const Params& own);
-  /// The cooked shape. Geometry that the engine or `fresh` already has is not cooked again.
-  std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const Path& path,
-                                               std::vector<CookedEntry>& fresh) const;
-  /// Throws Error for a body that cannot be made, without changing anything.
-  ReadyBody ready(const BodyDef& def, const Path& path, std::vector<CookedEntry>& fresh) const;
-  /// Adds bodies of which each is ready.
-  std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, std::span<const ReadyBody> ready);
-  std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const std::string& list);
+  /// Adds valid bodies, or none: an Error names that of `list` which cannot be made.
+  std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const Path& list);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB);
   /// Redefines a body: as World::setDefinition.
   void redefine(BodyId id, BodyDef def);

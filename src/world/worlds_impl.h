@@ -28,7 +28,7 @@ struct Worlds::Impl {
   Threads threads;
   std::vector<std::shared_ptr<Batch>> batches;
   std::deque<World> worlds;  ///< references stay valid
-  std::shared_ptr<std::vector<CookedEntry>> cooked = std::make_shared<std::vector<CookedEntry>>();
+  std::shared_ptr<CookedShapes> cooked = std::make_shared<CookedShapes>();
   std::shared_ptr<const int> family = std::make_shared<const int>();
   // of all batches
   std::vector<std::byte> arrays[static_cast<int>(StateArray::Torque) + 1],

@@ -96,7 +96,8 @@ class Lockstep : public ::testing::Test {
       EngineBody body;
       body.kind = 3;
       body.shape = cooked.shape, body.radius = cooked.radius;
-      body.mass = massProperties(cube, 1);
+      const MassProperties mass = massProperties(cube, 1);
+      body.mass = mass.mass, body.inertia = mass.inertia;
       body.state.position = {1. * (i % 10), 1. * (i / 10 % 10), 1. * (i / 100)};
       body.state.velocity = {0, 0, i >= 100 ? -1. : 0.};
       static_cast<Engine&>(lockstep_).apply(SetBody{i, body});

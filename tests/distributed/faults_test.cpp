@@ -35,7 +35,8 @@ class RankFaults : public ::testing::Test {
       EngineBody body;
       body.kind = 3;
       body.shape = cook(cube).shape, body.radius = cook(cube).radius;
-      body.mass = massProperties(cube, 1);
+      const MassProperties mass = massProperties(cube, 1);
+      body.mass = mass.mass, body.inertia = mass.inertia;
       body.state.position = {1. * i, 0, 0};
       static_cast<Engine&>(team_).apply(SetBody{i, body});
     }

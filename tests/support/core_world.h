@@ -32,8 +32,10 @@ class CoreWorld {
       addShape(executor_.tables(), cooked, std::vector<int>(cooked.parts.size(), -1));
     }
     body.radius = cooked.radius;
-    body.material = def.material;
-    body.mass = massProperties(def.shape, def.density);
+    body.staticFriction = def.material.staticFriction, body.dynamicFriction = def.material.dynamicFriction;
+    body.restitution = def.material.restitution;
+    const MassProperties mass = massProperties(def.shape, def.density);
+    body.mass = mass.mass, body.inertia = mass.inertia;
     body.state = {def.position, def.orientation, def.velocity, def.angularVelocity};
     setBody(executor_.tables(), slot, body);
     if (def.shape.type == ShapeType::Plane) planes_.push_back(slot);

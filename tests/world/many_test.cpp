@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 namespace rubble {
@@ -194,6 +195,117 @@ TEST_P(ManyBodies, ArePhotographedWhileTheWorldStepsOn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, ManyBodies, ::testing::Values("cpu", "reference", "lockstep"));
+
+/// Bodies of every kind apart from one another: with and without a name, with geometry that several share,
+/// with materials that need an entry, and planes.
+std::vector<BodyDef> assortment(test::Random& random, int count) {
+  const Shape hull = Shape::hull({{0, 0, 0}, {.3, 0, 0}, {0, .4, 0}, {0, 0, .5}, {.2, .2, .4}});
+  const Shape dumbbell = Shape::compound(
+      {{Shape::sphere(.2), {.3, 0, 0}, {}}, {Shape::box({.1, .1, .2}), {}, {}}});
+  std::vector<BodyDef> bodies;
+  for (int k = 0; k < count; ++k) {
+    const Shape shapes[] = {hull,
+                            dumbbell,
+                            Shape::sphere(random.uniform(.1, .3)),
+                            Shape::capsule(.1, .2),
+                            Shape::hull({{0, 0, 0}, {.3, 0, 0}, {0, .4, 0}, {0, 0, .5}}),
+                            Shape::plane()};
+    BodyDef& body = bodies.emplace_back(
+        test::body(shapes[random.below(6)], 2 * random.vector() + Vec3{0, 0, 3}));
+    body.orientation = random.rotation();
+    body.velocity = random.vector();
+    if (random.below(3) == 0) body.mass = random.uniform(1, 9);
+    if (random.below(3) == 0)
+      body.name = "a name that is too long to stand in its string, " + std::to_string(random.bits());
+    if (random.below(4) == 0) body.material.name = random.below(2) == 0 ? "ice" : "felt";
+    if (random.below(5) == 0) body.material.rollingFriction = .01 * random.below(3);
+    if (random.below(6) == 0) body.motion = Motion::Kinematic;
+    if (body.shape.type == ShapeType::Plane) {
+      body.motion = Motion::Static;
+      body.position = {0, 0, -.01 * k}, body.orientation = {};
+    }
+  }
+  return bodies;
+}
+
+/// A world with contacts, free slots and shapes in its tables.
+World usedWorld(std::uint64_t seed) {
+  test::Random random(seed);
+  World world(test::heap(2), options(4));
+  world.addBodies(assortment(random, 9));
+  test::run(world, 3);
+  const std::vector<BodyId> ids = world.bodies();
+  for (std::size_t k = 1; k < ids.size(); k += 3) world.removeBody(ids[k]);
+  return world;
+}
+
+TEST(BodiesAdded, InABatchAreThoseAddedOneByOne) {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    World one = usedWorld(seed), many = usedWorld(seed);
+    test::Random random(100 + seed);
+    const std::vector<BodyDef> bodies = assortment(random, 24);
+    std::vector<BodyId> ids;
+    for (const BodyDef& body : bodies) ids.push_back(one.addBody(body));
+    EXPECT_EQ(many.addBodies(bodies), ids) << seed;
+    EXPECT_EQ(one.snapshot().bytes(), many.snapshot().bytes()) << seed;
+    test::run(one, 3), test::run(many, 3);
+    EXPECT_EQ(one.hash(), many.hash()) << seed;
+  }
+}
+
+TEST(BodiesAdded, WithASceneAreThoseOfABatch) {
+  test::Random random(7);
+  Scene scene = test::emptyScene();
+  World many(scene, options(4));
+  scene.bodies = assortment(random, 40);
+  many.addBodies(scene.bodies);
+  EXPECT_EQ(World(scene, options(4)).hash(), many.hash());
+}
+
+/// Faults of one body, and where they are found.
+struct Flaw {
+  const char* path;
+  void (*make)(BodyDef&);
+};
+constexpr Flaw kFlaws[] = {
+    {".position", [](BodyDef& b) { b.position.y = std::nan(""); }},
+    {".material.restitution", [](BodyDef& b) { b.material.restitution = 2; }},
+    {".shape.radius", [](BodyDef& b) { b.shape = Shape::sphere(-1); }},
+    {".shape.points",
+     [](BodyDef& b) {
+       b.shape = Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}});
+     }},
+    {".mass", [](BodyDef& b) { b.shape = Shape::sphere(1e-14), b.mass = {}, b.motion = Motion::Dynamic; }},
+    {".name", [](BodyDef& b) { b.name = "known"; }},
+};
+
+TEST(BodiesAdded, InABatchWithAFaultNameItAndLeaveTheWorldAsItWas) {
+  std::uint64_t seed = 20;
+  for (const Flaw& flaw : kFlaws) {
+    World w = usedWorld(++seed);
+    w.addBody([] {
+      BodyDef known = test::unitCube({9, 9, 9});
+      known.name = "known";
+      return known;
+    }());
+    test::Random random(100 + seed);
+    std::vector<BodyDef> bodies = assortment(random, 20);
+    const std::size_t n = static_cast<std::size_t>(random.below(20));
+    const BodyDef right = std::exchange(bodies[n], test::unitCube({0, 0, 9}));
+    flaw.make(bodies[n]);
+    const std::vector<std::byte> before = w.snapshot().bytes();
+    const std::int64_t epoch = w.epoch();
+    expectErrorAt([&] { w.addBodies(bodies); }, "bodies[" + std::to_string(n) + "]" + flaw.path);
+    EXPECT_EQ(w.epoch(), epoch);
+    EXPECT_EQ(w.snapshot().bytes(), before) << flaw.path;
+    // nothing is left of the attempt
+    World fresh(test::emptyScene(), options(4));
+    fresh.restore(Snapshot::fromBytes(before));
+    bodies[n] = right;
+    EXPECT_EQ(w.addBodies(bodies), fresh.addBodies(bodies)) << flaw.path;
+    EXPECT_EQ(w.snapshot().bytes(), fresh.snapshot().bytes()) << flaw.path;
+  }
+}
 
 TEST(SnapshotCopies, DoNotFollowEditsOfTheWorld) {
   World world(test::heap(2), options(4));

@@ -125,6 +125,9 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   }
 
   void write(const SetBody& e);
+  void write(const AddBodies& e) {
+    for (int k = 0; k < e.count; ++k) write(e.at(k));
+  }
   void write(const SetBodyState& e) {
     const int slot = slotOf(host(), e.id);
     setBodyState(host(), slot, e.state);
