@@ -98,7 +98,7 @@ class BodyBuilder {
                         (member == root ? "body" : "part of body") + inQuotes(nameOf(root)));
     }
     BodyDef body;
-    body.name = names_.unique(nameOf(root));
+    body.name = names_.unique(nameOf(root) == "world" ? "world_body" : nameOf(root));
     body.motion = own.kinematic ? Motion::Kinematic : Motion::Dynamic;
     const Pose& pose = layout_.inWorld[static_cast<std::size_t>(root)];
     body.position = pose.p, body.orientation = pose.q;
@@ -163,7 +163,9 @@ class BodyBuilder {
       }
       BodyDef body;
       body.motion = Motion::Static;
-      body.name = names_.unique(geom.name.empty() ? nameOf(i) : geom.name);
+      // "world" names the world itself in scenes
+      const std::string name = !geom.name.empty() ? geom.name : nameOf(i);
+      body.name = names_.unique(name == "world" ? keyword(geom.shape.type) : name);
       body.shape = geom.shape;
       body.material = geom.material;
       const Pose at = layout_.inWorld[static_cast<std::size_t>(i)] * geom.pose;

@@ -30,6 +30,7 @@ void MjcfReader::readJoint(const Tag& tag, const MjcfScope& scope) {
     if (!own.dofs.empty() || own.free)
       tag.fail("type", "a free joint that is alone in its body", "several joints");
     own.free = true;
+    if (!name.empty()) freeByName_[name] = scope.link;
     report_.converted(tag.place(), tag.describe(), "free body" + inQuotes(own.name));
     for (const char* key : {"damping", "frictionloss", "stiffness", "armature"})
       if (const auto list = isFree ? std::nullopt : tag.numbers(key, 1, 3); list && (*list)[0] != 0)

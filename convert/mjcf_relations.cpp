@@ -53,8 +53,9 @@ void MjcfReader::readEquality(pugi::xml_node node) {
   for (const pugi::xml_node& child : source_.children(node)) {
     const std::string_view type = child.name();
     if (type != "connect" && type != "weld" && type != "joint" && type != "tendon") continue;
-    const Tag tag = tagOf(child);
+    const Tag tag = tagOfKind(child, "equality");
     if (!tag.flag("active", true) || !compiler_.equality) {
+      tag.useAll();
       report_.note(Effect::None, tag.place(), "equality" + inQuotes(tag.name()), "it is not active");
       continue;
     }

@@ -1,6 +1,7 @@
 /// <tendon>: spatial tendons along sites, and fixed ones, which are sums of coordinates.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "convert/mjcf_reader.h"
 #include "forces/tendon_wrap.h"
@@ -168,6 +169,43 @@ double MjcfReader::lengthInFile(const Tendon& tendon) const {
             .dofs[static_cast<std::size_t>(at.second)]
             .reference;
       });
+}
+
+Moments MjcfReader::momentsOf(const Tendon& tendon) const {
+  std::map<std::pair<int, int>, double> rates;
+  for (const Tendon::Term& term : tendon.terms) rates[term.dof] += term.coefficient;
+  std::set<int> links;
+  const auto addAll = [&](int at) {
+    for (; at > 0; at = model_.links[static_cast<std::size_t>(at)].parent) links.insert(at);
+  };
+  for (const Tendon::Point& point : tendon.path) addAll(point.link);
+  for (const Tendon::Wrap& wrap : tendon.wraps) addAll(wrap.link);
+  Tendon path;
+  path.path = tendon.path, path.wraps = tendon.wraps;
+  for (const int at : links) {
+    const Link& link = model_.links[static_cast<std::size_t>(at)];
+    for (std::size_t k = 0; k < link.dofs.size(); ++k) {
+      const Dof& dof = link.dofs[k];
+      if (dof.type == DofType::Ball) continue;
+      const auto lengthAt = [&](double change) {
+        const Quat turn = fromAxisAngle(dof.axis, change);
+        const Pose motion = dof.type == DofType::Slide ? Pose{change * dof.axis, {}}
+                                                       : Pose{dof.anchor - rotate(turn, dof.anchor), turn};
+        const Pose from = referencePose(at), moved = from * motion * inverse(from);
+        return lengthOf(
+            path,
+            [&](int of) {
+              int up = of;
+              while (up > at) up = model_.links[static_cast<std::size_t>(up)].parent;
+              return up == at ? moved * referencePose(of) : referencePose(of);
+            },
+            [](const std::pair<int, int>&) { return 0.; });
+      };
+      constexpr double kStep = 1e-5;
+      rates[{at, static_cast<int>(k)}] += (lengthAt(kStep) - lengthAt(-kStep)) / (2 * kStep);
+    }
+  }
+  return {rates.begin(), rates.end()};
 }
 
 double MjcfReader::lengthAtRest(const Tendon& tendon) const {

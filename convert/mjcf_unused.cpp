@@ -55,6 +55,11 @@ const Reasons& attributes() {
       {"pair.condim", {Effect::Approximate, "a pair has the friction of its geoms"}},
       {"pair.margin", {Effect::Approximate, "contacts begin where surfaces touch"}},
       {"pair.gap", {Effect::Approximate, "contacts begin where surfaces touch"}},
+      {"site.size", {Effect::None, kLook}},
+      {"site.type", {Effect::None, kLook}},
+      {"site.fromto", {Effect::None, kLook}},
+      {"spatial.width", {Effect::None, kLook}},
+      {"general.dynprm", {Effect::None, "time constants of activations, which stay as they are"}},
       {"camera.fovy", {Effect::None, "angle of view"}},
       {"camera.target", {Effect::None, "the camera does not move"}},
       {"joint.margin", {Effect::None, "limits act where they are"}},
@@ -78,8 +83,6 @@ const Reasons& attributes() {
       {"freejoint.align", {Effect::None, kSolver}},
       {"general.lengthrange", {Effect::None, "ranges of muscles"}},
       {"position.inheritrange", {Effect::None, "range of controls, which stay as they are"}},
-      {"general.actrange", {Effect::None, "range of activations"}},
-      {"general.actlimited", {Effect::None, "range of activations"}},
   };
   return all;
 }
@@ -99,6 +102,11 @@ const Reasons& anywhere() {
       {"solreffriction", {Effect::Approximate, kSoft}},
       {"solimpfriction", {Effect::Approximate, kSoft}},
       {"inheritrange", {Effect::None, "range of controls, which stay as they are"}},
+      {"actrange", {Effect::None, "range of activations"}},
+      {"actlimited", {Effect::None, "range of activations"}},
+      {"actdim", {Effect::None, "number of activations"}},
+      {"actearly", {Effect::None, "when activations act"}},
+      {"timeconst", {Effect::None, "time constants of activations, which stay as they are"}},
       {"delay", {Effect::Lost, "delay of a control"}},
       {"nsample", {Effect::None, "history of a control"}},
       {"interp", {Effect::None, "history of a control"}},

@@ -143,6 +143,16 @@ struct Tendon : Coordinate {
     std::pair<int, int> dof;  ///< link, index in its dofs
     double coefficient = 1;
   };
+  /// Travel of a point, or turn, of a link along or about an axis that is fixed in another one.
+  struct Motion {
+    int link = -1, frame = -1;  ///< -1: the world
+    bool turns = false;
+    int axisLink = -1;            ///< the axis is given in the frame of this link
+    Vec3 axis;                    ///< unit
+    Vec3 anchor, origin;          ///< of a travel: from `origin` in `frame` to `anchor` in `link` [m]
+    std::optional<double> start;  ///< at the beginning; none: by the poses there [m], [rad]
+    double coefficient = 1;
+  };
   /// A sphere or cylinder that the segment from a point to the next one goes around.
   struct Wrap {
     std::size_t point = 0;      ///< index in `path`
@@ -155,6 +165,7 @@ struct Tendon : Coordinate {
   Place place;
   std::vector<Point> path;
   std::vector<Term> terms;
+  std::vector<Motion> motions;
   std::vector<Wrap> wraps;
 };
 
