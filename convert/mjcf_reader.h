@@ -158,6 +158,8 @@ class MjcfReader {
   /// Integrals at density 1 in the frame of the shape; false if the geom has no shape that can be used.
   bool shapeOf(const Tag& tag, const std::string& type, Geom& geom, SolidSums& solid);
   bool meshShape(const Tag& tag, Geom& geom, SolidSums& solid);
+  /// Size of the primitive that MuJoCo fits to a mesh, and `pose` moved to it; empty if that is not possible.
+  std::vector<double> fittedSize(const Tag& tag, const std::string& type, Pose& pose);
   bool fieldShape(const Tag& tag, Geom& geom);
   Material materialOf(const Tag& tag);
 
