@@ -95,10 +95,11 @@ class JointBuilder {
       return model_.links[link].dofs.size() == 1 ? jointOf_[link] : -1;
     };
     const int a = single(coupling.dofA), b = single(coupling.dofB);
-    const std::string what = "coupling" + inQuotes(coupling.name);
-    const auto lose = [&](const std::string& why) { report_.note(Effect::Lost, coupling.place, what, why); };
-    if (a < 0 || b < 0) return lose("only joints that are alone in their body can be coupled");
-    const auto type = [&](int joint) { return scene_.joints[static_cast<std::size_t>(joint)].type; };
+    if (a < 0 || b < 0)
+      report_.note(Effect::Approximate, coupling.place, "coupling" + inQuotes(coupling.name), kSeveralJoints);
+    const auto type = [&](int joint) {
+      return joint < 0 ? JointType::SixDof : scene_.joints[static_cast<std::size_t>(joint)].type;
+    };
     const auto start = [&](const std::pair<int, int>& dof) {
       return model_.links[static_cast<std::size_t>(dof.first)].dofs.front().start;
     };
@@ -106,7 +107,7 @@ class JointBuilder {
     const bool isLinear = coupling.terms[2] == 0 && coupling.terms[3] == 0 && coupling.terms[4] == 0;
     const bool hingeA = type(a) == JointType::Hinge, hingeB = type(b) == JointType::Hinge;
     JointDef joint;
-    if (!isLinear || ratio == 0 || !(hingeA || hingeB)) {
+    if (a < 0 || b < 0 || !isLinear || ratio == 0 || !(hingeA || hingeB)) {
       auto found = cam(model_, layout_, coupling, report_);
       if (!found) return;
       joint = std::move(*found);

@@ -8,6 +8,8 @@
 namespace rubble::convert {
 namespace {
 
+constexpr const char* kStill = "its bodies do not move relative to one another";
+
 class TendonBuilder {
  public:
   TendonBuilder(const Model& model, const Layout& layout) : model_(model), layout_(layout) {}
@@ -52,7 +54,7 @@ class TendonBuilder {
     for (const Tendon::Wrap& wrap : wraps_) sideOf(wrap.link);
     for (const Term& term : terms_) {
       sideOf(term.body), sideOf(term.frame);
-      if (term.body == term.frame) return "its bodies do not move relative to one another";
+      if (term.body == term.frame) return kStill;
     }
     if (sides_.size() > 4 || bodies_ > 4 || bodies_ == 0) return "its bodies are not one to four";
     // A is a body; the world is a frame body
@@ -141,7 +143,8 @@ std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const
                                  Report& report) {
   TendonBuilder builder(model, layout);
   const auto lose = [&](const std::string& why) {
-    report.note(Effect::Lost, tendon.place, "tendon" + inQuotes(tendon.name), why);
+    report.note(why == kStill ? Effect::None : Effect::Lost, tendon.place, "tendon" + inQuotes(tendon.name),
+                why);
     return std::nullopt;
   };
   for (const Tendon::Point& point : tendon.path) builder.addPoint(point);
@@ -150,9 +153,7 @@ std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const
   for (const Tendon::Term& term : tendon.terms) {
     const Dof& dof = dofAt(model, term.dof);
     if (model.links[static_cast<std::size_t>(term.dof.first)].dofs.size() != 1)
-      report.note(Effect::Approximate, tendon.place, "tendon" + inQuotes(tendon.name),
-                  "of several joints of a body it takes the turn about the axis, or the travel along it, at "
-                  "the beginning");
+      report.note(Effect::Approximate, tendon.place, "tendon" + inQuotes(tendon.name), kSeveralJoints);
     builder.addTerm(term.dof, {term.coefficient, 0, 0, 0});
     start += term.coefficient * (dof.reference + dof.start);
   }
