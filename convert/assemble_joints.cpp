@@ -46,6 +46,21 @@ class JointBuilder {
     return body != kWorld && scene_.bodies[static_cast<std::size_t>(body)].motion == Motion::Dynamic;
   }
 
+  /// For the reduced mass of the bodies, and for their mean moments of inertia.
+  void soften(JointDef& joint, const Softness& soft) const {
+    double mass = 0, moment = 0;  // inverse
+    for (const int body : {joint.bodyA, joint.bodyB}) {
+      if (!isDynamic(body)) continue;
+      const BodyDef& own = scene_.bodies[static_cast<std::size_t>(body)];
+      const MassProperties of = massProperties(own.shape, 1);
+      const Vec3 i = of.inertia * (*own.mass / of.mass);
+      mass += 1 / *own.mass, moment += 3 / (i.x + i.y + i.z);
+    }
+    joint.stiffness = soft.stiffness / mass, joint.damping = soft.damping(1 / mass);
+    if (joint.type != JointType::Fixed) return;
+    joint.angularStiffness = soft.stiffness / moment, joint.angularDamping = soft.damping(1 / moment);
+  }
+
   void addLoop(const Loop& loop) {
     JointDef joint;
     joint.type = loop.keepsOrientation ? JointType::Fixed : JointType::Ball;
@@ -58,6 +73,7 @@ class JointBuilder {
     const Pose a = poseInBody(layout_, loop.linkA), b = poseInBody(layout_, loop.linkB);
     joint.anchorA = a * loop.anchorA, joint.anchorB = b * loop.anchorB;
     joint.orientationAtoB = normalize(b.q * loop.orientationAtoB * conjugate(a.q));
+    if (loop.soft) soften(joint, *loop.soft);
     joint.name = names_.unique(loop.name.empty() ? "loop" : loop.name);
     joint.collide = true;
     report_.converted(loop.place, what, keyword(joint.type) + inQuotes(joint.name));
@@ -119,6 +135,12 @@ class JointBuilder {
       // ratio theta_B - travel_A
       const double left = coupling.terms[0] + ratio * start(coupling.dofB) - start(coupling.dofA);
       joint.axes[0].min = joint.axes[0].max = hingeA && hingeB ? left : hingeA ? left / ratio : -left;
+    }
+    if (coupling.stiffness < kHard) {
+      // of the error of A, in the unit of the joint
+      const double unit = a >= 0 && b >= 0 && joint.type == JointType::Rack && hingeA ? ratio : 1;
+      joint.axes[0].limitStiffness = coupling.stiffness * unit * unit;
+      joint.axes[0].limitDamping = coupling.damping * unit * unit;
     }
     add(std::move(joint), coupling.place, "coupling", coupling.name);
   }

@@ -45,6 +45,11 @@ void MjcfReader::finishSpringDampers() {
     }
     if (compiler_.dampers) own.damping = 2 * inertia / given[0];
   }
+  for (const auto& [at, soft] : softLimits_) {
+    const double mass = massSeen({{at, 1}});
+    if (!(mass > 0)) continue;
+    dof(at).limitStiffness = soft.stiffness * mass, dof(at).limitDamping = soft.damping(mass);
+  }
 }
 
 }  // namespace rubble::convert

@@ -80,6 +80,9 @@ void MjcfReader::readJoint(const Tag& tag, const MjcfScope& scope) {
     if (compiler_.springs) out.drive.stiffnessTarget = rest;
     springDampers_[at] = *springDamper;
   }
+  if (const auto soft = out.range && out.type != DofType::Ball ? softnessOf(tag, "solreflimit", "solimplimit")
+                                                               : std::nullopt)
+    softLimits_[at] = *soft;
   if (const auto force = limitOf(tag, "actuatorfrcrange", "actuatorfrclimited"))
     actuatorForce_[at] = std::max(std::fabs((*force)[0]), std::fabs((*force)[1]));
   if (!name.empty() && !dofByName_.emplace(name, at).second)

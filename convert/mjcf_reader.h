@@ -206,8 +206,12 @@ class MjcfReader {
   /// Norm of the rates of all degrees of freedom by a unit force along a length, |M^-1 J^T|.
   double responseTo(const Moments& moments);
   const MassMatrix& massMatrix(int link);
-  /// Springs and dampers that are given by time constant and damping ratio.
+  /// Springs, dampers and limits that are given by time constant and damping ratio.
   void finishSpringDampers();
+
+  // mjcf_softness.cpp
+  /// Of a constraint that is softer than one of MuJoCo by default.
+  std::optional<Softness> softnessOf(const Tag& tag, const char* reference, const char* impedance);
 
   // mjcf_actuators.cpp
   void readActuator(const Tag& tag);
@@ -253,6 +257,7 @@ class MjcfReader {
   std::map<std::pair<int, int>, double> actuatorForce_;  ///< limits by actuatorfrcrange [N], [N m]
   /// Time constant and damping ratio of joints [s], [1].
   std::map<std::pair<int, int>, std::array<double, 2>> springDampers_;
+  std::map<std::pair<int, int>, Softness> softLimits_;
   std::map<std::pair<int, int>, double> springRest_;  ///< springref of hinges and slides [m], [rad]
   std::map<std::string, std::size_t> tendonByName_;
   std::map<std::string, int> freeByName_;       ///< links of free joints

@@ -27,6 +27,9 @@ void MjcfReader::readTendon(const Tag& tag) {
     return list[0];
   };
   if (const auto range = limitOf(tag, "range", "limited"); range && compiler_.limits) out.range = range;
+  if (const auto soft = out.range ? softnessOf(tag, "solreflimit", "solimplimit") : std::nullopt)
+    if (const double mass = massSeen(momentsOf(out)); mass > 0)
+      out.limitStiffness = soft->stiffness * mass, out.limitDamping = soft->damping(mass);
   const double stiffness = atLeast0("stiffness"), damping = atLeast0("damping"),
                friction = atLeast0("frictionloss");
   out.armature = atLeast0("armature");
@@ -224,6 +227,9 @@ void MjcfReader::readTendonLock(const Tag& tag) {
   Tendon& own = model_.tendons[found->second];
   const double length = lengthInFile(own) + offset;
   own.range = {{length, length}};
+  if (const auto soft = softnessOf(tag, "solref", "solimp"))
+    if (const double mass = massSeen(momentsOf(own)); mass > 0)
+      own.limitStiffness = soft->stiffness * mass, own.limitDamping = soft->damping(mass);
   report_.converted(tag.place(), tag.describe(), "locked tendon" + inQuotes(own.name));
 }
 

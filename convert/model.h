@@ -2,6 +2,7 @@
 /// A robot model as its file describes it: a tree of links with their geometry and degrees of freedom.
 /// Readers of formats fill it, assemble() makes a scene of it.
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -51,11 +52,21 @@ struct DofDrive {
   double maxForce = kHard;     ///< [N], [N m]
 };
 
+/// A constraint that is not hard, for the mass m that it moves: stiffness m times `stiffness`, and damping of
+/// `ratio` times the critical one.
+struct Softness {
+  double stiffness;  ///< [1/s2]
+  double ratio;      ///< [1]
+
+  double damping(double mass) const { return 2 * ratio * mass * std::sqrt(stiffness); }
+};
+
 /// What acts on a coordinate: of a joint, or of a tendon.
 struct Coordinate {
   /// Coordinates at most; ball: {0, largest angle} [m], [rad].
   std::optional<std::array<double, 2>> range;
   double limitStiffness = kHard;  ///< of the range [N/m], [N m/rad]
+  double limitDamping = 0;        ///< the same, of a finite stiffness [N s/m], [N m s/rad]
   double friction = 0;            ///< [N], [N m]
   DofDrive drive;
   double armature = 0;    ///< [kg], [kg m2]
@@ -107,6 +118,7 @@ struct Loop {
   int linkA = -1, linkB = -1;     ///< -1: the world
   Vec3 anchorA, anchorB;          ///< in the frames of the links [m]
   Quat orientationAtoB;           ///< weld: orientation of A seen from B
+  std::optional<Softness> soft;   ///< for the reduced mass of its bodies
 };
 
 /// A joint between links that are placed by themselves. Anchors, frames, axes and the path of a tendon are
@@ -130,6 +142,7 @@ struct Coupling {
   Place place;
   std::pair<int, int> dofA, dofB;  ///< link, index in its dofs
   std::array<double, 5> terms{0, 1, 0, 0, 0};
+  double stiffness = kHard, damping = 0;  ///< of the error of dofA
 };
 
 /// A length along a path, or a sum of coordinates.

@@ -20,7 +20,9 @@ std::array<double, 6> ballTensor(double mass) {
 
 SolidSums massOfInertial(double mass, const std::array<double, 6>& tensor, const SolidSums& shapes,
                          const Place& place, Report& report) {
-  const auto note = [&](const char* why) { report.note(Effect::Approximate, place, "inertial.inertia", why); };
+  const auto note = [&](const char* why) {
+    report.note(Effect::Approximate, place, "inertial.inertia", why);
+  };
   const double size = std::max({std::fabs(tensor[0]), std::fabs(tensor[1]), std::fabs(tensor[2])});
   if (!(size > 0)) {
     if (!(shapes.volume > 0)) {

@@ -54,8 +54,8 @@ TEST(Actuators, FourRotorsHoldADroneAndLiftItByWhatTheyHaveMore) {
   const Import held = importWith(world, "<actuator>" + motors + "</actuator>", all(hold));
   EXPECT_EQ(held.report.count(Effect::Lost), 0u) << convert::textOf(held.report, true);
   EXPECT_LT(length(afterHalfASecond(held, "drone").position), 1e-4);
-  const BodyState lifted = afterHalfASecond(importWith(world, "<actuator>" + motors + "</actuator>", all(more)),
-                                            "drone");
+  const BodyState lifted = afterHalfASecond(
+      importWith(world, "<actuator>" + motors + "</actuator>", all(more)), "drone");
   EXPECT_NEAR(lifted.position.z, 9.81 / 2 * 0.25 / 2, 2e-3);
   EXPECT_NEAR(lifted.orientation.s, 1, 1e-5);
 }
@@ -104,7 +104,8 @@ TEST(Actuators, ADampingRatioIsOfTheMassThatTheActuatorMoves) {
   const auto damping = [](const std::string& joint) {
     const Import model = importText(
         mjcf("<body><joint type='slide' axis='1 0 0'/><geom size='.1' mass='3'/><body name='b'>"
-             "<joint name='j' type='slide' axis='1 0 0' " + joint + "/><geom size='.1' mass='6'/></body></body>",
+             "<joint name='j' type='slide' axis='1 0 0' " +
+                 joint + "/><geom size='.1' mass='6'/></body></body>",
              "<actuator><position joint='j' kp='50' dampratio='0.7' gear='2'/></actuator>"));
     return jointNamed(model, "j").axes[0];
   };
@@ -132,15 +133,31 @@ TEST(Actuators, AdhesionIsLostOnlyWhereItPulls) {
   EXPECT_EQ(importWith(body, actuator, "1").report.count(Effect::Lost), 1u);
 }
 
+TEST(Actuators, ALimitSofterThanUsualHasItsStiffnessAndDampingRatio) {
+  const auto axisOf = [](const std::string& solref) {
+    const Import model = importText(mjcf("<body><joint name='j' type='slide' range='0 1' solreflimit='" +
+                                         solref + "'/><geom size='.1' mass='3'/></body>"));
+    return jointNamed(model, "j").axes[0];
+  };
+  // (1 - d) m g = K x with K = m / (time constant * damping ratio)^2, d = 0.95
+  const double stiffness = 3 / (0.1 * 0.1 * 0.7 * 0.7) / 0.05;
+  EXPECT_NEAR(axisOf("0.1 0.7").limitStiffness, stiffness, 1e-9 * stiffness);
+  EXPECT_NEAR(axisOf("0.1 0.7").limitDamping, 2 * 0.7 * std::sqrt(3 * stiffness), 1e-9 * stiffness);
+  const double direct = 3 * 300 / 0.05;
+  EXPECT_NEAR(axisOf("-300 -20").limitStiffness, direct, 1e-9 * direct);
+  EXPECT_EQ(axisOf("0.02 1").limitStiffness, kHard);
+  EXPECT_EQ(axisOf("0.004 1").limitStiffness, kHard);
+}
+
 TEST(Actuators, TendonsAndConstraintsTakeTheDefaultsOfTheirKind) {
-  const Import model = importText(mjcf(
-      "<body><joint name='i' type='slide'/><geom size='.1'/></body>"
-      "<body><joint name='j' type='slide'/><geom size='.1'/></body>",
-      "<default><tendon damping='3'/><equality active='false'/><default class='c'><tendon damping='4'/>"
-      "</default></default>"
-      "<tendon><fixed name='s'><joint joint='i' coef='1'/></fixed>"
-      "<fixed name='t' class='c'><joint joint='j' coef='1'/></fixed></tendon>"
-      "<equality><joint joint1='i' joint2='j'/></equality>"));
+  const Import model = importText(
+      mjcf("<body><joint name='i' type='slide'/><geom size='.1'/></body>"
+           "<body><joint name='j' type='slide'/><geom size='.1'/></body>",
+           "<default><tendon damping='3'/><equality active='false'/><default class='c'><tendon damping='4'/>"
+           "</default></default>"
+           "<tendon><fixed name='s'><joint joint='i' coef='1'/></fixed>"
+           "<fixed name='t' class='c'><joint joint='j' coef='1'/></fixed></tendon>"
+           "<equality><joint joint1='i' joint2='j'/></equality>"));
   EXPECT_DOUBLE_EQ(jointNamed(model, "s").axes[0].damping, 3);
   EXPECT_DOUBLE_EQ(jointNamed(model, "t").axes[0].damping, 4);
   EXPECT_EQ(model.file.scene.joints.size(), 4u);
@@ -166,9 +183,10 @@ TEST(Actuators, PrimitivesThatAreFittedToAMeshHaveItsBox) {
       corners += std::to_string(0.3 + (i & 1 ? c : -c)) + " " + std::to_string(0.2 + (i & 2 ? a : -a)) + " " +
                  std::to_string(i & 4 ? b : -b) + " ";
     const auto shapeOf = [&](const std::string& type) {
-      return bodyNamed(importText(mjcf("<body name='m'><freejoint/><geom type='" + type + "' mesh='q'/></body>",
-                                       "<asset><mesh name='q' vertex='" + corners + "'/></asset>")),
-                       "m")
+      return bodyNamed(
+                 importText(mjcf("<body name='m'><freejoint/><geom type='" + type + "' mesh='q'/></body>",
+                                 "<asset><mesh name='q' vertex='" + corners + "'/></asset>")),
+                 "m")
           .shape.geometry->parts.at(0);
     };
     const ShapePartDef box = shapeOf("box"), rod = shapeOf("capsule");

@@ -325,6 +325,24 @@ def compare_motion(rubble, name, bodies, size, folder):
         problems.append(f"{name}: {100 * worst:.2f} % from MuJoCo, at most 1 %")
 
 
+def compare_rest(rubble, name, key, bodies, folder, seconds=3.0, most=2e-4):
+    """Distance from where bodies come to rest in MuJoCo, at 4 iterations and the time step of the model [m]."""
+    file = MODELS / (name + ".xml")
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    if key:
+        mujoco.mj_resetDataKeyframe(model, data, model.key(key).id)
+    while data.time < seconds - model.opt.timestep / 2:
+        mujoco.mj_step(model, data)
+    dt = model.opt.timestep
+    scene = import_scene(rubble, file, folder, *(["--key", key] if key else []))
+    own = positions(rubble, scene, bodies, round(seconds / dt), dt, folder, "4")
+    worst = np.abs(own - np.array([data.body(body).xpos for body in bodies])).max()
+    print(f"oracle: {name} {key or ''} comes to rest {1000 * worst:.3f} mm from where it does in MuJoCo")
+    if not worst < most:
+        problems.append(f"{name} {key}: at rest {1000 * worst:.2f} mm from MuJoCo, at most {1000 * most:.2f}")
+
+
 def main():
     rubble = str(pathlib.Path(sys.argv[1]).resolve())
     files = [pathlib.Path(f).resolve() for f in sys.argv[2:]]
@@ -349,6 +367,9 @@ def main():
             compare_motion(rubble, "finger", ["proximal", "middle", "distal"], 0.11, folder)
             compare_motion(rubble, "wrapped", ["arm", "fore", "load", "bob"], 0.4, folder)
             compare_motion(rubble, "cable", ["link2", "link6", "link11"], 0.96, folder)
+            compare_rest(rubble, "soft_limits", "", ["slide", "flap", "tip", "a", "b", "ball"], folder)
+            compare_rest(rubble, "drone", "hover", ["drone"], folder)
+            compare_rest(rubble, "gripper", "half", ["left_follower", "right_follower"], folder, most=1e-3)
             for impulse in ([50, 0], [0, 50], [10, 0], [0, 10]):
                 compare_push(rubble, "standing_humanoid", impulse, folder)
                 compare_push(rubble, "standing_quadruped", impulse, folder)

@@ -131,7 +131,8 @@ std::string movingLink(const std::string& content) {
 
 TEST(Urdf, ALinkWithoutAnInertialHasTheMassOfItsShapesInWater) {
   const Import model = importText(
-      movingLink("<collision><origin xyz='0 0 1'/><geometry><box size='.1 .2 .3'/></geometry></collision>"), "r.urdf");
+      movingLink("<collision><origin xyz='0 0 1'/><geometry><box size='.1 .2 .3'/></geometry></collision>"),
+      "r.urdf");
   EXPECT_NEAR(*bodyNamed(model, "arm").mass, 6, 1e-9);
   EXPECT_EQ(model.report.count(Effect::Approximate), 0u);
 }
