@@ -103,6 +103,7 @@ class BodyBuilder {
     const Pose& pose = layout_.inWorld[static_cast<std::size_t>(root)];
     body.position = pose.p, body.orientation = pose.q;
     body.gravityScale = own.gravityScale;
+    body.linearDamping = own.linearDamping, body.angularDamping = own.angularDamping;
     body.velocity = layout_.velocity[static_cast<std::size_t>(root)];
     body.angularVelocity = layout_.angularVelocity[static_cast<std::size_t>(root)];
     std::optional<MassProperties> mass;

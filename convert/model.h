@@ -103,6 +103,7 @@ struct Link {
   std::vector<Geom> geoms;
   std::vector<Dof> dofs;
   double gravityScale = 1;
+  double linearDamping = 0, angularDamping = 0;  ///< as BodyDef [1/s]
   Vec3 velocity;                  ///< at the beginning, of the center of mass of a free link [m/s]
   Vec3 angularVelocity;           ///< the same, world axes [rad/s]
   bool velocityOfOrigin = false;  ///< `velocity` is that of the origin of its frame
