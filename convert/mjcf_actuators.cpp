@@ -122,7 +122,7 @@ std::optional<MjcfTarget> MjcfReader::targetOf(const Tag& tag) {
 double MjcfReader::controlOf(const Tag& tag, std::size_t index) {
   const double control = index < controls_.size() ? controls_[index] : 0;
   const auto range = limitOf(tag, "ctrlrange", "ctrllimited");
-  return range ? std::clamp(control, (*range)[0], (*range)[1]) : control;
+  return range && compiler_.clampsControls ? std::clamp(control, (*range)[0], (*range)[1]) : control;
 }
 
 void MjcfReader::readAdhesion(const Tag& tag, std::size_t index) {
@@ -136,7 +136,12 @@ void MjcfReader::readActuator(const Tag& tag) {
   const std::size_t index = actuators_++, activated = activated_;
   activated_ += hasActivation(tag);
   const std::string what = tag.describe();
-  if (!compiler_.actuation) return report_.note(Effect::None, tag.place(), what, "actuation is disabled");
+  const bool isOff = std::count(compiler_.actuatorsOff.begin(), compiler_.actuatorsOff.end(),
+                                tag.number("group", 0)) > 0;
+  if (!compiler_.actuation || isOff) {
+    tag.useAll();
+    return report_.note(Effect::None, tag.place(), what, "actuation is disabled");
+  }
   if (tag.type() == "adhesion") return readAdhesion(tag, index);
   const auto target = targetOf(tag);
   if (!target) return tag.useAll();

@@ -107,8 +107,8 @@ void MjcfReader::readMesh(const Tag& tag) {
   if (scale.x * scale.y * scale.z < 0)
     for (std::array<int, 3>& t : mesh.triangles) std::swap(t[1], t[2]);
   if (mesh.triangles.empty()) mesh = hullOf(mesh.vertices, tag.path("vertex"));
-  const std::size_t kind = tag.choice("inertia", {"exact", "legacy", "convex", "shell"}, 1);
-  asset.mass = static_cast<MeshMass>(kind);
+  asset.mass = static_cast<MeshMass>(tag.choice("inertia", {"exact", "legacy", "convex", "shell"},
+                                                static_cast<std::size_t>(compiler_.meshMass)));
   meshes_.emplace(name, std::move(asset));
 }
 

@@ -25,6 +25,9 @@ struct MjcfCompiler {
   double totalMass = -1;                   ///< not positive: as it is [kg]
   bool stripPath = false;
   std::string meshFolder, assetFolder;
+  MeshMass meshMass = MeshMass::Legacy;  ///< of meshes that do not say
+  std::vector<double> actuatorsOff;      ///< groups of actuators that are disabled
+  bool clampsControls = true;
   bool contacts = true, limits = true, springs = true, dampers = true, friction = true, actuation = true,
        equality = true;
 };
@@ -185,6 +188,8 @@ class MjcfReader {
   void readCoupling(const Tag& tag);
   /// A tendon that keeps its length.
   void readTendonLock(const Tag& tag);
+  /// Two tendons, the lengths of which have a linear relation.
+  void readTendonRelation(const Tag& tag, std::size_t first, const std::vector<double>& terms);
   int linkOf(const Tag& tag, const char* key) const;
 
   // mjcf_tendons.cpp

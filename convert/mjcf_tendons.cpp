@@ -221,9 +221,9 @@ void MjcfReader::readTendonLock(const Tag& tag) {
   const std::string name = tag.need("tendon1");
   const auto found = tendonByName_.find(name);
   if (found == tendonByName_.end()) tag.fail("tendon1", "the name of a tendon", "\"" + name + "\"");
-  if (tag.has("tendon2"))
-    return report_.note(Effect::Lost, tag.place(), tag.describe(), "a relation of two tendons");
-  const double offset = tag.numbers("polycoef", 1, 5).value_or(std::vector<double>{0})[0];
+  const auto terms = tag.numbers("polycoef", 1, 5).value_or(std::vector<double>{0, 1});
+  if (tag.has("tendon2")) return readTendonRelation(tag, found->second, terms);
+  const double offset = terms[0];
   Tendon& own = model_.tendons[found->second];
   const double length = lengthInFile(own) + offset;
   own.range = {{length, length}};
@@ -231,6 +231,43 @@ void MjcfReader::readTendonLock(const Tag& tag) {
     if (const double mass = massSeen(momentsOf(own)); mass > 0)
       own.limitStiffness = soft->stiffness * mass, own.limitDamping = soft->damping(mass);
   report_.converted(tag.place(), tag.describe(), "locked tendon" + inQuotes(own.name));
+}
+
+void MjcfReader::readTendonRelation(const Tag& tag, std::size_t first, const std::vector<double>& terms) {
+  const std::string name = tag.need("tendon2");
+  const auto found = tendonByName_.find(name);
+  if (found == tendonByName_.end()) tag.fail("tendon2", "the name of a tendon", "\"" + name + "\"");
+  const Tendon other = model_.tendons[found->second];
+  const double factor = terms.size() > 1 ? -terms[1] : terms.size() == 1 ? 0 : -1;
+  if (std::any_of(terms.begin() + std::min<std::ptrdiff_t>(2, std::ssize(terms)), terms.end(),
+                  [](double term) { return term != 0; }))
+    return report_.note(Effect::Lost, tag.place(), tag.describe(), "terms of higher order of two tendons");
+  if (factor < 0 && !other.path.empty())
+    return report_.note(Effect::Lost, tag.place(), tag.describe(),
+                        "two tendons along sites that grow together");
+  // length_1 + factor length_2 keeps its value
+  Tendon sum = model_.tendons[first];
+  static_cast<Coordinate&>(sum) = {};
+  sum.name = tag.name(), sum.place = tag.place();
+  for (Tendon::Wrap wrap : other.wraps) {
+    wrap.point += sum.path.size();
+    sum.wraps.push_back(wrap);
+  }
+  for (Tendon::Point point : other.path) {
+    point.weight *= factor;
+    sum.path.push_back(point);
+  }
+  for (Tendon::Term term : other.terms) {
+    term.coefficient *= factor;
+    sum.terms.push_back(term);
+  }
+  const double length = lengthInFile(sum) + terms[0];
+  sum.range = {{length, length}};
+  if (const auto soft = softnessOf(tag, "solref", "solimp"))
+    if (const double mass = massSeen(momentsOf(sum)); mass > 0)
+      sum.limitStiffness = soft->stiffness * mass, sum.limitDamping = soft->damping(mass);
+  model_.tendons.push_back(std::move(sum));
+  report_.converted(tag.place(), tag.describe(), "sum of two tendons that keeps its length");
 }
 
 }  // namespace rubble::convert

@@ -37,7 +37,8 @@ const std::vector<std::string> kNames{"pendulum.xml",
                                       "attached.xml",
                                       "drone.xml",
                                       "gripper.xml",
-                                      "soft_limits.xml"};
+                                      "soft_limits.xml",
+                                      "two_tendons.xml"};
 
 std::string contentOf(const fs::path& file) {
   std::ostringstream out;
