@@ -34,7 +34,7 @@ class UrdfReader {
     model_.staticParentsCollide = false;
     for (const pugi::xml_node& node : source_.children(root, "link")) addName(node);
     for (const pugi::xml_node& node : source_.children(root, "joint")) addJoint(node);
-    addLinks(rootLink(root), -1);
+    addRoots(root);
     if (model_.links.size() != links_.size())
       throw Error(source_.path(root), "one tree of links",
                   std::to_string(links_.size() - model_.links.size()) + " links in a loop of joints");
@@ -67,18 +67,17 @@ class UrdfReader {
     jointsOf_[joint.parent].push_back(joint);
   }
 
-  std::string rootLink(const pugi::xml_node& root) {
-    std::string found;
+  /// The trees of all links without a parent.
+  void addRoots(const pugi::xml_node& root) {
     for (const pugi::xml_node& node : source_.children(root, "link")) {
       const std::string name = node.attribute("name").value();
       if (isChild_.contains(name)) continue;
-      if (!found.empty())
-        throw Error(source_.path(node), "one link without a parent",
-                    "\"" + found + "\" and \"" + name + "\"");
-      found = name;
+      if (!model_.links.empty())
+        report_.note(Effect::Approximate, source_.place(node), "link" + inQuotes(name),
+                     "a further link without a parent: a robot of its own");
+      addLinks(name, -1);
     }
-    if (found.empty()) throw Error(source_.path(root), "a link without a parent", "none");
-    return found;
+    if (model_.links.empty()) throw Error(source_.path(root), "a link without a parent", "none");
   }
 
   /// The links of the tree below one, parents first.
@@ -153,7 +152,9 @@ class UrdfReader {
     geom.contact = contact;
     geom.pose = originOf(node);
     const pugi::xml_node geometry = node.child("geometry");
-    if (!geometry) tag.fail("geometry", "an element", "none");
+    if (!geometry)
+      return report_.note(contact.any() ? Effect::Lost : Effect::None, tag.place(), tag.describe(),
+                          "it has no geometry");
     source_.use(geometry);
     for (const pugi::xml_node& shape : source_.children(geometry)) {
       SolidSums solid;
@@ -223,8 +224,8 @@ class UrdfReader {
 
   void readJoint(pugi::xml_node node, Link& link, int index) {
     const Tag tag(source_, node);
-    const std::vector<std::string> types{"revolute", "continuous", "prismatic",
-                                         "fixed",    "floating",   "planar"};
+    const std::vector<std::string> types{"revolute", "continuous", "prismatic", "fixed",
+                                         "floating", "planar",     "spherical"};
     tag.need("type");
     const std::string type = types[tag.choice("type", types, 0)];
     link.pose = originOf(node);
@@ -245,7 +246,9 @@ class UrdfReader {
     dof.place = tag.place();
     dof.axis = normalize(axis);
     readDynamics(node, dof);
-    if (type == "planar") {
+    if (type == "spherical") {
+      dof.type = DofType::Ball;
+    } else if (type == "planar") {
       const Quat frame = quatOfZ(dof.axis);
       for (const Vec3& along : {Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
         Dof slide = dof;
@@ -274,23 +277,35 @@ class UrdfReader {
 
   void readLimit(const pugi::xml_node& joint, const Tag& jointTag, Dof& dof) {
     const pugi::xml_node node = joint.child("limit");
-    if (!node) jointTag.fail("limit", "limits (a joint without is continuous)", "none");
+    if (!node)
+      return report_.note(Effect::Approximate, jointTag.place(), jointTag.describe(),
+                          "its type has limits, and it has none: it moves without");
     const Tag tag(source_, node);
     dof.range = {tag.number("lower", 0), tag.number("upper", 0)};
-    if ((*dof.range)[0] > (*dof.range)[1]) tag.fail("lower", "a lower limit below the upper one", "others");
+    if ((*dof.range)[0] <= (*dof.range)[1]) return;
+    std::swap((*dof.range)[0], (*dof.range)[1]);
+    report_.note(Effect::Approximate, tag.place(), "limit.lower", "above the upper limit: both are swapped");
   }
 
   void addMimic(pugi::xml_node node) {
     const Tag joint(source_, node), tag(source_, node.child("mimic"));
     const std::string other = tag.need("joint");
     const auto found = dofIndex_.find(other);
-    if (found == dofIndex_.end()) tag.fail("joint", "the name of a joint that moves", "\"" + other + "\"");
+    if (found == dofIndex_.end())
+      return report_.note(Effect::Lost, tag.place(), "mimic of" + inQuotes(joint.name()),
+                          "the joint '" + other + "' does not move");
     if (other == joint.name()) tag.fail("joint", "another joint", "itself");
+    if (dofOf(found->second).type == DofType::Ball)
+      tag.fail("joint", "a joint with one axis", "a spherical one");
     model_.couplings.push_back({joint.name() + "_mimic",
                                 tag.place(),
                                 dofIndex_.at(joint.name()),
                                 found->second,
                                 {tag.number("offset", 0), tag.number("multiplier", 1), 0, 0, 0}});
+  }
+
+  const Dof& dofOf(const std::pair<int, int>& at) const {
+    return model_.links[static_cast<std::size_t>(at.first)].dofs[static_cast<std::size_t>(at.second)];
   }
 
   Source& source_;

@@ -153,6 +153,10 @@ TEST(Usd, ReferencesStayInsideOfTheFolderAndEnd) {
   const Import outside = convert::importModel(
       folder.write("b.usda", usda("def \"x\" ( references = @../../../etc/passwd@ ) { }")));
   EXPECT_EQ(outside.report.count(Effect::Lost), 1u);
+  const Import without = convert::importModel(
+      folder.write("c.usda", usda(ball("b"), "upAxis = \"Z\" subLayers = [@none.usda@, @../up.usda@]")));
+  EXPECT_EQ(without.report.count(Effect::Lost), 2u);
+  EXPECT_EQ(without.file.scene.bodies.size(), 1u);
   for (const char* cycle :
        {"def \"a\" ( references = </b> ) { } def \"b\" ( references = </a> ) { }",
         "def \"a\" { def \"b\" ( references = </a> ) { } }", "def \"a\" ( inherits = </a> ) { }"})

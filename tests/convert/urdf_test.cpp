@@ -219,15 +219,26 @@ TEST(Urdf, SrdfExcludesPairsFromCollision) {
   EXPECT_EQ(convert::importModel(urdf, options).file.scene.exclusions.size(), 1u);
 }
 
-TEST(Urdf, LinksFormOneTree) {
+TEST(Urdf, LinksFormTrees) {
   const std::string loop =
       "<robot name='r'><link name='root'/><link name='a'/><link name='b'/>"
       "<joint name='x' type='fixed'><parent link='a'/><child link='b'/></joint>"
       "<joint name='y' type='fixed'><parent link='b'/><child link='a'/></joint></robot>";
   EXPECT_NE(messageOf([&] { importText(loop, "r.urdf"); }).find("loop"), std::string::npos);
-  EXPECT_NE(
-      messageOf([] { importText("<robot name='r'><link name='a'/><link name='b'/></robot>", "r.urdf"); }),
-      "");
+  const Import two = importText("<robot name='r'><link name='a'/><link name='b'/></robot>", "r.urdf");
+  EXPECT_EQ(two.report.count(Effect::Approximate), 1u);
+}
+
+TEST(Urdf, LimitsThatAreAbsentOrSwappedAreReported) {
+  const Import without = importText(twoLinks("type='revolute'>" + kEnds), "r.urdf");
+  EXPECT_EQ(jointNamed(without, "j").axes[0].max, kFree);
+  EXPECT_EQ(without.report.count(Effect::Approximate), 1u);
+  const Import swapped = importText(twoLinks("type='revolute'>" + kEnds + "<limit lower='1' upper='-2'/>"),
+                                    "r.urdf");
+  EXPECT_EQ(jointNamed(swapped, "j").axes[0].min, -2);
+  EXPECT_EQ(swapped.report.count(Effect::Approximate), 1u);
+  EXPECT_EQ(jointNamed(importText(twoLinks("type='spherical'>" + kEnds), "r.urdf"), "j").type,
+            JointType::Ball);
 }
 
 }  // namespace
