@@ -4,6 +4,7 @@
 
 #include <rubble/world.h>
 
+#include "io/picture.h"
 #include "io/scene_json.h"
 #include "tests/convert/model_file.h"
 
@@ -197,6 +198,35 @@ TEST(Actuators, PrimitivesThatAreFittedToAMeshHaveItsBox) {
     EXPECT_NEAR(rod.shape.halfLength, c - (a + b) / 4, 1e-5);
   }
 }
+
+#if defined(RUBBLE_HAS_PNG)
+/// Random pictures: their red channel from the top is the elevation of the same model, row by row.
+TEST(HeightFields, APictureGivesTheHeightsOfItsRedChannel) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 10; ++round) {
+    io::Image picture{3 + round, 2 + round % 4, {}};
+    std::string elevation;
+    for (int i = 0; i < picture.width * picture.height; ++i) {
+      const auto red = static_cast<std::uint8_t>(random() % 256);
+      picture.rgb.insert(picture.rgb.end(), {red, 7, static_cast<std::uint8_t>(i)});
+      elevation += std::to_string(red) + " ";
+    }
+    const test::ModelFolder folder;
+    io::writePng(picture, (folder.path() / "hills.png").string());
+    const auto heightsOf = [&](const std::string& field) {
+      const std::string file = folder.write(
+          "model.xml", mjcf("<geom name='g' type='hfield' hfield='hills'/>",
+                            "<asset><hfield name='hills' size='2 1 0.3 0.1' " + field + "/></asset>"));
+      const Import model = convert::importModel(file);
+      const ShapeGeometry& shape = *bodyNamed(model, "g").shape.geometry;
+      return std::pair{shape.counts, shape.samples};
+    };
+    EXPECT_EQ(heightsOf("file='hills.png'"),
+              heightsOf("nrow='" + std::to_string(picture.height) + "' ncol='" +
+                        std::to_string(picture.width) + "' elevation='" + elevation + "'"));
+  }
+}
+#endif
 
 }  // namespace
 }  // namespace rubble
