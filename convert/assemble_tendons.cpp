@@ -124,6 +124,47 @@ const Dof& dofAt(const Model& model, const std::pair<int, int>& at) {
   return model.links[static_cast<std::size_t>(at.first)].dofs[static_cast<std::size_t>(at.second)];
 }
 
+using Chain = std::pair<Tendon::Term, Tendon::Term>;
+
+/// First and last terms of chains: each next joint is that of a child, of the same type and coefficient,
+/// about or along a parallel axis. The sum of a chain is the turn or travel of its last link in the parent of
+/// the first.
+std::vector<Chain> chainsOf(const Model& model, const Layout& layout, std::vector<Tendon::Term> terms) {
+  std::sort(terms.begin(), terms.end(), [](const auto& a, const auto& b) { return a.dof < b.dof; });
+  const auto axisOf = [&](const Tendon::Term& term) {
+    return rotate(layout.inWorld[static_cast<std::size_t>(term.dof.first)].q, dofAt(model, term.dof).axis);
+  };
+  const auto isSingle = [&](const Tendon::Term& term) {
+    return model.links[static_cast<std::size_t>(term.dof.first)].dofs.size() == 1;
+  };
+  std::vector<Chain> chains;
+  for (const Tendon::Term& term : terms) {
+    const int parent = rootOf(layout, model.links[static_cast<std::size_t>(term.dof.first)].parent);
+    const auto chain = std::find_if(chains.begin(), chains.end(), [&](const Chain& each) {
+      const Tendon::Term& last = each.second;
+      constexpr double kParallel = 1 - 1e-9;
+      return last.dof.first == parent && last.coefficient == term.coefficient && isSingle(last) &&
+             isSingle(term) && dofAt(model, last.dof).type == dofAt(model, term.dof).type &&
+             dot(axisOf(last), axisOf(term)) > kParallel;
+    });
+    if (chain == chains.end())
+      chains.emplace_back(term, term);
+    else
+      chain->second = term;
+  }
+  return chains;
+}
+
+Tendon::Motion chainMotion(const Model& model, const Tendon::Term& first, const Tendon::Term& last) {
+  const Dof& dof = dofAt(model, last.dof);
+  Tendon::Motion motion;
+  motion.link = motion.axisLink = last.dof.first;
+  motion.frame = model.links[static_cast<std::size_t>(first.dof.first)].parent;
+  motion.turns = dof.type == DofType::Hinge;
+  motion.axis = dof.axis, motion.anchor = dof.anchor, motion.coefficient = last.coefficient;
+  return motion;
+}
+
 /// A motion at the beginning [m], [rad].
 double startOf(const Layout& layout, const Tendon::Motion& motion) {
   if (motion.start) return *motion.start;
@@ -154,8 +195,13 @@ std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const
     const Dof& dof = dofAt(model, term.dof);
     if (model.links[static_cast<std::size_t>(term.dof.first)].dofs.size() != 1)
       report.note(Effect::Approximate, tendon.place, "tendon" + inQuotes(tendon.name), kSeveralJoints);
-    builder.addTerm(term.dof, {term.coefficient, 0, 0, 0});
     start += term.coefficient * (dof.reference + dof.start);
+  }
+  for (const auto& [first, last] : chainsOf(model, layout, tendon.terms)) {
+    if (first.dof == last.dof)
+      builder.addTerm(first.dof, {first.coefficient, 0, 0, 0});
+    else
+      builder.addMotion(chainMotion(model, first, last));
   }
   for (const Tendon::Motion& motion : tendon.motions) {
     builder.addMotion(motion);

@@ -38,6 +38,7 @@ const std::vector<std::string> kNames{"pendulum.xml",
                                       "drone.xml",
                                       "gripper.xml",
                                       "soft_limits.xml",
+                                      "telescope.xml",
                                       "two_tendons.xml"};
 
 std::string contentOf(const fs::path& file) {

@@ -367,6 +367,7 @@ def main():
             compare_motion(rubble, "finger", ["proximal", "middle", "distal"], 0.11, folder)
             compare_motion(rubble, "wrapped", ["arm", "fore", "load", "bob"], 0.4, folder)
             compare_motion(rubble, "two_tendons", ["a", "b", "c", "d"], 0.6, folder)
+            compare_motion(rubble, "telescope", ["s1", "s4", "h1", "h4"], 0.4, folder)
             compare_motion(rubble, "cable", ["link2", "link6", "link11"], 0.96, folder)
             compare_rest(rubble, "soft_limits", "", ["slide", "flap", "tip", "a", "b", "ball"], folder)
             compare_rest(rubble, "drone", "hover", ["drone"], folder)
