@@ -164,6 +164,24 @@ TEST(Actuators, TendonsAndConstraintsTakeTheDefaultsOfTheirKind) {
   EXPECT_EQ(model.file.scene.joints.size(), 4u);
 }
 
+TEST(Actuators, ASumOfAChainOfParallelJointsIsOneCoordinate) {
+  std::string open, close, sum;
+  for (int i = 0; i < 6; ++i) {
+    const std::string name = "s" + std::to_string(i);
+    open += "<body name='" + name + "' pos='.1 0 0'><joint name='" + name +
+            "' type='slide' axis='1 0 0' damping='20'/><geom size='.02' mass='.1'/>";
+    close += "</body>";
+    sum += "<joint joint='" + name + "' coef='1'/>";
+  }
+  const Import model = importWith(open + close,
+                                  std::string(kStill) + "<tendon><fixed name='t'>" + sum +
+                                      "</fixed></tendon><actuator><position tendon='t' kp='900'/></actuator>",
+                                  "0.3");
+  EXPECT_EQ(model.report.count(Effect::Lost), 0u) << convert::textOf(model.report, true);
+  EXPECT_EQ(std::any_cast<const TendonFields&>(jointNamed(model, "t").own).terms.size(), 13u);
+  EXPECT_NEAR(afterHalfASecond(model, "s5").position.x, 0.6 + 0.3, 2e-3);
+}
+
 TEST(Actuators, GeomsOfTheWorldWithoutNamesGiveAValidScene) {
   const Import model = importText(mjcf("<geom type='plane' size='1 1 1'/><geom type='box' size='1 1 1'/>"));
   EXPECT_EQ(model.file.scene.bodies.size(), 2u);
