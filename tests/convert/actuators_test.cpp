@@ -48,7 +48,7 @@ TEST(Actuators, FourRotorsHoldADroneAndLiftItByWhatTheyHaveMore) {
     motors += "<motor name='" + name + "' site='" + name + "' gear='0 0 1 0 0 " + (i % 3 ? "-" : "") +
               "0.02'/>";
   }
-  const std::string world = "<body name='drone'><freejoint/><geom type='box' size='.2 .2 .05' mass='2'/>" +
+  const std::string world = "<body name='drone'><freejoint/><geom type='box' size='0.2 0.2 0.05' mass='2'/>" +
                             sites + "</body>";
   const std::string hold = std::to_string(2 * 9.81 / 4), more = std::to_string(3 * 9.81 / 4);
   const auto all = [](const std::string& each) { return each + " " + each + " " + each + " " + each; };
@@ -63,14 +63,14 @@ TEST(Actuators, FourRotorsHoldADroneAndLiftItByWhatTheyHaveMore) {
 
 TEST(Actuators, ATorqueOfASiteTurnsItsBody) {
   const Import model = importWith(
-      "<body name='wheel'><freejoint/><geom type='cylinder' size='.3 .05' mass='2'/><site name='s'/></body>",
+      "<body name='wheel'><freejoint/><geom type='cylinder' size='0.3 0.05' mass='2'/><site name='s'/></body>",
       std::string(kStill) + "<actuator><motor site='s' gear='0 0 0 0 0 3'/></actuator>", "0.4");
   EXPECT_NEAR(afterHalfASecond(model, "wheel").angularVelocity.z, 1.2 / 0.09 * 0.5, 1e-3);
 }
 
 TEST(Actuators, AForceOfAFreeJointIsAlongTheAxesOfTheWorld) {
   const Import model = importWith(
-      "<body name='b' euler='0 0 90'><freejoint name='f'/><geom size='.1' mass='2'/></body>",
+      "<body name='b' euler='0 0 90'><freejoint name='f'/><geom size='0.1' mass='2'/></body>",
       std::string(kStill) + "<actuator><motor joint='f' gear='3 0 0 0 0 0'/></actuator>", "2");
   const BodyState end = afterHalfASecond(model, "b");
   EXPECT_NEAR(end.velocity.x, 1.5, 1e-4);
@@ -79,9 +79,9 @@ TEST(Actuators, AForceOfAFreeJointIsAlongTheAxesOfTheWorld) {
 
 TEST(Actuators, ADriveOfABallJointTurnsItToItsControl) {
   const Import model = importWith(
-      "<body name='b' euler='20 30 40'><joint name='j' type='ball' damping='0.05'/><geom size='.1' mass='2'/>"
+      "<body name='b' euler='20 30 40'><joint name='j' type='ball' damping='0.05'/><geom size='0.1' mass='2'/>"
       "</body>",
-      std::string(kStill) + "<actuator><position jointinparent='j' kp='4' kv='.3' gear='0 2 0'/></actuator>",
+      std::string(kStill) + "<actuator><position jointinparent='j' kp='4' kv='0.3' gear='0 2 0'/></actuator>",
       "0.6");
   const Quat before = bodyNamed(model, "b").orientation;
   const Quat turn = normalize(afterHalfASecond(model, "b").orientation * conjugate(before));
@@ -91,8 +91,8 @@ TEST(Actuators, ADriveOfABallJointTurnsItToItsControl) {
 
 TEST(Actuators, ADriveBetweenTwoSitesMovesTheirDistanceToItsControl) {
   const Import model = importWith(
-      "<body name='base' pos='1 2 3' euler='0 0 90'><geom size='.1'/><site name='r'/></body>"
-      "<body name='b' pos='1 2.5 3'><freejoint/><geom size='.1' mass='2'/><site name='s'/></body>",
+      "<body name='base' pos='1 2 3' euler='0 0 90'><geom size='0.1'/><site name='r'/></body>"
+      "<body name='b' pos='1 2.5 3'><freejoint/><geom size='0.1' mass='2'/><site name='s'/></body>",
       std::string(kStill) +
           "<actuator><position site='s' refsite='r' kp='400' kv='50' gear='1 0 0 0 0 0'/></actuator>",
       "0.8");
@@ -104,9 +104,9 @@ TEST(Actuators, ADriveBetweenTwoSitesMovesTheirDistanceToItsControl) {
 TEST(Actuators, ADampingRatioIsOfTheMassThatTheActuatorMoves) {
   const auto damping = [](const std::string& joint) {
     const Import model = importText(
-        mjcf("<body><joint type='slide' axis='1 0 0'/><geom size='.1' mass='3'/><body name='b'>"
+        mjcf("<body><joint type='slide' axis='1 0 0'/><geom size='0.1' mass='3'/><body name='b'>"
              "<joint name='j' type='slide' axis='1 0 0' " +
-                 joint + "/><geom size='.1' mass='6'/></body></body>",
+                 joint + "/><geom size='0.1' mass='6'/></body></body>",
              "<actuator><position joint='j' kp='50' dampratio='0.7' gear='2'/></actuator>"));
     return jointNamed(model, "j").axes[0];
   };
@@ -120,7 +120,7 @@ TEST(Actuators, ADampingRatioIsOfTheMassThatTheActuatorMoves) {
 TEST(Actuators, AMuscleOfUnknownForceIsScaledByTheMassThatItMoves) {
   const auto force = [](double mass) {
     const Import model = importWith(
-        "<body><joint name='j' type='slide'/><geom size='.1' mass='" + std::to_string(mass) + "'/></body>",
+        "<body><joint name='j' type='slide'/><geom size='0.1' mass='" + std::to_string(mass) + "'/></body>",
         "<actuator><muscle joint='j' lengthrange='-1 1'/></actuator>", "0");
     return jointNamed(model, "j").axes[0];
   };
@@ -128,7 +128,7 @@ TEST(Actuators, AMuscleOfUnknownForceIsScaledByTheMassThatItMoves) {
 }
 
 TEST(Actuators, AdhesionIsLostOnlyWhereItPulls) {
-  const std::string body = "<body name='b'><freejoint/><geom size='.1'/></body>",
+  const std::string body = "<body name='b'><freejoint/><geom size='0.1'/></body>",
                     actuator = "<actuator><adhesion body='b' ctrlrange='0 1' gain='5'/></actuator>";
   EXPECT_EQ(importWith(body, actuator, "0").report.count(Effect::Lost), 0u);
   EXPECT_EQ(importWith(body, actuator, "1").report.count(Effect::Lost), 1u);
@@ -137,7 +137,7 @@ TEST(Actuators, AdhesionIsLostOnlyWhereItPulls) {
 TEST(Actuators, ALimitSofterThanUsualHasItsStiffnessAndDampingRatio) {
   const auto axisOf = [](const std::string& solref) {
     const Import model = importText(mjcf("<body><joint name='j' type='slide' range='0 1' solreflimit='" +
-                                         solref + "'/><geom size='.1' mass='3'/></body>"));
+                                         solref + "'/><geom size='0.1' mass='3'/></body>"));
     return jointNamed(model, "j").axes[0];
   };
   // (1 - d) m g = K x with K = m / (time constant * damping ratio)^2, d = 0.95
@@ -152,8 +152,8 @@ TEST(Actuators, ALimitSofterThanUsualHasItsStiffnessAndDampingRatio) {
 
 TEST(Actuators, TendonsAndConstraintsTakeTheDefaultsOfTheirKind) {
   const Import model = importText(
-      mjcf("<body><joint name='i' type='slide'/><geom size='.1'/></body>"
-           "<body><joint name='j' type='slide'/><geom size='.1'/></body>",
+      mjcf("<body><joint name='i' type='slide'/><geom size='0.1'/></body>"
+           "<body><joint name='j' type='slide'/><geom size='0.1'/></body>",
            "<default><tendon damping='3'/><equality active='false'/><default class='c'><tendon damping='4'/>"
            "</default></default>"
            "<tendon><fixed name='s'><joint joint='i' coef='1'/></fixed>"
@@ -168,8 +168,8 @@ TEST(Actuators, ASumOfAChainOfParallelJointsIsOneCoordinate) {
   std::string open, close, sum;
   for (int i = 0; i < 6; ++i) {
     const std::string name = "s" + std::to_string(i);
-    open += "<body name='" + name + "' pos='.1 0 0'><joint name='" + name +
-            "' type='slide' axis='1 0 0' damping='20'/><geom size='.02' mass='.1'/>";
+    open += "<body name='" + name + "' pos='0.1 0 0'><joint name='" + name +
+            "' type='slide' axis='1 0 0' damping='20'/><geom size='0.02' mass='0.1'/>";
     close += "</body>";
     sum += "<joint joint='" + name + "' coef='1'/>";
   }

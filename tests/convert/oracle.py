@@ -326,7 +326,7 @@ def compare_motion(rubble, name, bodies, size, folder):
 
 
 def compare_rest(rubble, name, key, bodies, folder, seconds=3.0, most=2e-4):
-    """Distance from where bodies come to rest in MuJoCo, at 4 iterations and the time step of the model [m]."""
+    """Distance from where bodies rest in MuJoCo, at 4 iterations and the time step of the model [m]."""
     file = MODELS / (name + ".xml")
     model = mujoco.MjModel.from_xml_path(str(file))
     data = mujoco.MjData(model)
