@@ -61,9 +61,37 @@ TEST(Actuators, FourRotorsHoldADroneAndLiftItByWhatTheyHaveMore) {
   EXPECT_NEAR(lifted.orientation.s, 1, 1e-5);
 }
 
+TEST(Actuators, ThoseOfSitesOfAnAttachedModelActOnItsBodies) {
+  const test::ModelFolder folder;
+  folder.write("drone.xml",
+               mjcf("<body name='a' pos='0 0 1'><freejoint name='f'/><geom size='0.1'/>"
+                    "<site name='s' pos='0.1 0 0'/></body><site name='base' pos='0 0 2'/>",
+                    "<actuator><motor name='up' site='s' gear='0 0 1 0 0 0'/>"
+                    "<motor name='pull' site='s' refsite='base' gear='1 0 0 0 0 0'/></actuator>"));
+  const Import model = convert::importModel(folder.write(
+      "main.xml", mjcf("<body name='first'><freejoint/><geom size='0.1'/></body>"
+                       "<frame pos='5 0 0' euler='0 0 90'><attach model='drone' prefix='p_'/></frame>",
+                       "<asset><model name='drone' file='drone.xml'/></asset>"
+                       "<actuator><motor name='push' joint='p_f' gear='1 0 0 0 0 0'/></actuator>")));
+  EXPECT_EQ(model.report.count(Effect::Lost), 0u) << convert::textOf(model.report, true);
+  for (const char* name : {"p_up", "p_pull", "push"}) {
+    const JointDef& joint = jointNamed(model, name);
+    EXPECT_EQ(model.file.scene.bodies[static_cast<std::size_t>(joint.bodyA)].name, "p_a") << name;
+    const auto& terms = std::any_cast<const TendonFields&>(joint.own).terms;
+    ASSERT_EQ(terms.size(), 13u);
+    EXPECT_NEAR(terms[6], name == std::string("push") ? 0 : 0.1, 1e-12);
+    // in the frame of the body: the frame that it is attached to is turned
+    const Vec3 axis{terms[3], terms[4], terms[5]}, wanted = name == std::string("p_up")     ? Vec3{0, 0, 1}
+                                                            : name == std::string("p_pull") ? Vec3{1, 0, 0}
+                                                                                            : Vec3{0, -1, 0};
+    EXPECT_LT(length(axis - wanted), 1e-9) << name;
+  }
+}
+
 TEST(Actuators, ATorqueOfASiteTurnsItsBody) {
   const Import model = importWith(
-      "<body name='wheel'><freejoint/><geom type='cylinder' size='0.3 0.05' mass='2'/><site name='s'/></body>",
+      "<body name='wheel'><freejoint/><geom type='cylinder' size='0.3 0.05' mass='2'/><site "
+      "name='s'/></body>",
       std::string(kStill) + "<actuator><motor site='s' gear='0 0 0 0 0 3'/></actuator>", "0.4");
   EXPECT_NEAR(afterHalfASecond(model, "wheel").angularVelocity.z, 1.2 / 0.09 * 0.5, 1e-3);
 }
@@ -79,7 +107,8 @@ TEST(Actuators, AForceOfAFreeJointIsAlongTheAxesOfTheWorld) {
 
 TEST(Actuators, ADriveOfABallJointTurnsItToItsControl) {
   const Import model = importWith(
-      "<body name='b' euler='20 30 40'><joint name='j' type='ball' damping='0.05'/><geom size='0.1' mass='2'/>"
+      "<body name='b' euler='20 30 40'><joint name='j' type='ball' damping='0.05'/><geom size='0.1' "
+      "mass='2'/>"
       "</body>",
       std::string(kStill) + "<actuator><position jointinparent='j' kp='4' kv='0.3' gear='0 2 0'/></actuator>",
       "0.6");
