@@ -33,6 +33,9 @@ void addFilters(const Model& model, const Layout& layout, Scene& scene, Report& 
 /// Limits, drive, friction and motor of a coordinate that is `zero` where the joint has 0. `sign`: of its
 /// direction (assemble_dofs.cpp).
 JointAxis axisOf(const Coordinate& coordinate, double sign, double zero);
+/// Of a sum or coupling of joints, one of which is not alone in its body.
+inline constexpr const char* kSeveralJoints =
+    "of several joints of a body it takes the turn about the axis, or the travel along it, at the beginning";
 /// Joints of all degrees of freedom, loops, couplings and tendons (assemble_joints.cpp).
 void addJoints(const Model& model, const Layout& layout, Scene& scene, Report& report);
 /// A joint of the tree. Its bodies are left to the caller.

@@ -98,11 +98,12 @@ class BodyBuilder {
                         (member == root ? "body" : "part of body") + inQuotes(nameOf(root)));
     }
     BodyDef body;
-    body.name = names_.unique(nameOf(root));
+    body.name = names_.unique(nameOf(root) == "world" ? "world_body" : nameOf(root));
     body.motion = own.kinematic ? Motion::Kinematic : Motion::Dynamic;
     const Pose& pose = layout_.inWorld[static_cast<std::size_t>(root)];
     body.position = pose.p, body.orientation = pose.q;
     body.gravityScale = own.gravityScale;
+    body.linearDamping = own.linearDamping, body.angularDamping = own.angularDamping;
     body.velocity = layout_.velocity[static_cast<std::size_t>(root)];
     body.angularVelocity = layout_.angularVelocity[static_cast<std::size_t>(root)];
     std::optional<MassProperties> mass;
@@ -163,7 +164,9 @@ class BodyBuilder {
       }
       BodyDef body;
       body.motion = Motion::Static;
-      body.name = names_.unique(geom.name.empty() ? nameOf(i) : geom.name);
+      // "world" names the world itself in scenes
+      const std::string name = !geom.name.empty() ? geom.name : nameOf(i);
+      body.name = names_.unique(name == "world" ? keyword(geom.shape.type) : name);
       body.shape = geom.shape;
       body.material = geom.material;
       const Pose at = layout_.inWorld[static_cast<std::size_t>(i)] * geom.pose;

@@ -218,7 +218,7 @@ JointAxis axisOf(const Coordinate& from, double sign, double zero) {
       axis.min = -axis.max, axis.max = most;
     }
   }
-  axis.limitStiffness = from.limitStiffness;
+  axis.limitStiffness = from.limitStiffness, axis.limitDamping = from.limitDamping;
   const DofDrive& drive = from.drive;
   axis.driveStiffness = drive.stiffness, axis.driveDamping = drive.damping;
   if (drive.stiffness > 0) axis.targetPosition = sign * (drive.stiffnessTarget / drive.stiffness - zero);

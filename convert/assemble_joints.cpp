@@ -46,6 +46,21 @@ class JointBuilder {
     return body != kWorld && scene_.bodies[static_cast<std::size_t>(body)].motion == Motion::Dynamic;
   }
 
+  /// For the reduced mass of the bodies, and for their mean moments of inertia.
+  void soften(JointDef& joint, const Softness& soft) const {
+    double mass = 0, moment = 0;  // inverse
+    for (const int body : {joint.bodyA, joint.bodyB}) {
+      if (!isDynamic(body)) continue;
+      const BodyDef& own = scene_.bodies[static_cast<std::size_t>(body)];
+      const MassProperties of = massProperties(own.shape, 1);
+      const Vec3 i = of.inertia * (*own.mass / of.mass);
+      mass += 1 / *own.mass, moment += 3 / (i.x + i.y + i.z);
+    }
+    joint.stiffness = soft.stiffness / mass, joint.damping = soft.damping(1 / mass);
+    if (joint.type != JointType::Fixed) return;
+    joint.angularStiffness = soft.stiffness / moment, joint.angularDamping = soft.damping(1 / moment);
+  }
+
   void addLoop(const Loop& loop) {
     JointDef joint;
     joint.type = loop.keepsOrientation ? JointType::Fixed : JointType::Ball;
@@ -58,6 +73,7 @@ class JointBuilder {
     const Pose a = poseInBody(layout_, loop.linkA), b = poseInBody(layout_, loop.linkB);
     joint.anchorA = a * loop.anchorA, joint.anchorB = b * loop.anchorB;
     joint.orientationAtoB = normalize(b.q * loop.orientationAtoB * conjugate(a.q));
+    if (loop.soft) soften(joint, *loop.soft);
     joint.name = names_.unique(loop.name.empty() ? "loop" : loop.name);
     joint.collide = true;
     report_.converted(loop.place, what, keyword(joint.type) + inQuotes(joint.name));
@@ -95,10 +111,11 @@ class JointBuilder {
       return model_.links[link].dofs.size() == 1 ? jointOf_[link] : -1;
     };
     const int a = single(coupling.dofA), b = single(coupling.dofB);
-    const std::string what = "coupling" + inQuotes(coupling.name);
-    const auto lose = [&](const std::string& why) { report_.note(Effect::Lost, coupling.place, what, why); };
-    if (a < 0 || b < 0) return lose("only joints that are alone in their body can be coupled");
-    const auto type = [&](int joint) { return scene_.joints[static_cast<std::size_t>(joint)].type; };
+    if (a < 0 || b < 0)
+      report_.note(Effect::Approximate, coupling.place, "coupling" + inQuotes(coupling.name), kSeveralJoints);
+    const auto type = [&](int joint) {
+      return joint < 0 ? JointType::SixDof : scene_.joints[static_cast<std::size_t>(joint)].type;
+    };
     const auto start = [&](const std::pair<int, int>& dof) {
       return model_.links[static_cast<std::size_t>(dof.first)].dofs.front().start;
     };
@@ -106,7 +123,7 @@ class JointBuilder {
     const bool isLinear = coupling.terms[2] == 0 && coupling.terms[3] == 0 && coupling.terms[4] == 0;
     const bool hingeA = type(a) == JointType::Hinge, hingeB = type(b) == JointType::Hinge;
     JointDef joint;
-    if (!isLinear || ratio == 0 || !(hingeA || hingeB)) {
+    if (a < 0 || b < 0 || !isLinear || ratio == 0 || !(hingeA || hingeB)) {
       auto found = cam(model_, layout_, coupling, report_);
       if (!found) return;
       joint = std::move(*found);
@@ -118,6 +135,12 @@ class JointBuilder {
       // ratio theta_B - travel_A
       const double left = coupling.terms[0] + ratio * start(coupling.dofB) - start(coupling.dofA);
       joint.axes[0].min = joint.axes[0].max = hingeA && hingeB ? left : hingeA ? left / ratio : -left;
+    }
+    if (coupling.stiffness < kHard) {
+      // of the error of A, in the unit of the joint
+      const double unit = a >= 0 && b >= 0 && joint.type == JointType::Rack && hingeA ? ratio : 1;
+      joint.axes[0].limitStiffness = coupling.stiffness * unit * unit;
+      joint.axes[0].limitDamping = coupling.damping * unit * unit;
     }
     add(std::move(joint), coupling.place, "coupling", coupling.name);
   }

@@ -8,6 +8,8 @@
 namespace rubble::convert {
 namespace {
 
+constexpr const char* kStill = "its bodies do not move relative to one another";
+
 class TendonBuilder {
  public:
   TendonBuilder(const Model& model, const Layout& layout) : model_(model), layout_(layout) {}
@@ -28,7 +30,19 @@ class TendonBuilder {
   void addTerm(const std::pair<int, int>& at, const std::array<double, 4>& c) {
     const Link& link = model_.links[static_cast<std::size_t>(at.first)];
     const Dof& dof = link.dofs[static_cast<std::size_t>(at.second)];
-    terms_.push_back({bodyIndex(layout_, at.first), bodyIndex(layout_, link.parent), &dof, c});
+    terms_.push_back({dof.type == DofType::Slide ? 1. : 0., bodyIndex(layout_, at.first),
+                      bodyIndex(layout_, link.parent), dof.axis, dof.anchor, c});
+  }
+  void addMotion(const Tendon::Motion& motion) {
+    const Pose inBody = poseInBody(layout_, motion.link);
+    const Quat body = rotationOf(motion.link) * conjugate(inBody.q);
+    const Vec3 axis = rotateInverse(body, rotate(rotationOf(motion.axisLink), motion.axis));
+    terms_.push_back({motion.turns ? 0. : 1.,
+                      bodyIndex(layout_, motion.link),
+                      bodyIndex(layout_, motion.frame),
+                      axis,
+                      inBody * motion.anchor,
+                      {motion.coefficient, 0, 0, 0}});
   }
 
   /// Why it cannot be a joint; empty if it can.
@@ -38,7 +52,10 @@ class TendonBuilder {
     if (terms_.size() > kMostTerms) return "a sum of more than three joints";
     for (const Point& point : path_) sideOf(point.body);
     for (const Tendon::Wrap& wrap : wraps_) sideOf(wrap.link);
-    for (const Term& term : terms_) sideOf(term.body), sideOf(term.frame);
+    for (const Term& term : terms_) {
+      sideOf(term.body), sideOf(term.frame);
+      if (term.body == term.frame) return kStill;
+    }
     if (sides_.size() > 4 || bodies_ > 4 || bodies_ == 0) return "its bodies are not one to four";
     // A is a body; the world is a frame body
     std::stable_partition(sides_.begin(), sides_.end(), [](int body) { return body != kWorld; });
@@ -58,13 +75,11 @@ class TendonBuilder {
                            wrap.center.z, wrap.axis.x, wrap.axis.y, wrap.axis.z, wrap.radius,
                            wrap.guide ? 1. : 0., guide.x, guide.y, guide.z});
     }
-    for (const Term& term : terms_) {
-      const Dof& dof = *term.dof;
-      fields.terms.insert(fields.terms.end(),
-                          {dof.type == DofType::Slide ? 1. : 0., number(term.body), number(term.frame),
-                           dof.axis.x, dof.axis.y, dof.axis.z, dof.anchor.x, dof.anchor.y, dof.anchor.z,
-                           term.c[0], term.c[1], term.c[2], term.c[3]});
-    }
+    for (const Term& term : terms_)
+      fields.terms.insert(
+          fields.terms.end(),
+          {term.travels, number(term.body), number(term.frame), term.axis.x, term.axis.y, term.axis.z,
+           term.anchor.x, term.anchor.y, term.anchor.z, term.c[0], term.c[1], term.c[2], term.c[3]});
     out.own = fields;
     return "";
   }
@@ -77,10 +92,15 @@ class TendonBuilder {
     double weight;
   };
   struct Term {
+    double travels;  ///< 0, 1
     int body, frame;
-    const Dof* dof;
+    Vec3 axis, anchor;  ///< in the frame of the body
     std::array<double, 4> c;
   };
+
+  Quat rotationOf(int link) const {
+    return link < 0 ? Quat{} : layout_.inWorld[static_cast<std::size_t>(link)].q;
+  }
 
   void sideOf(int body) {
     if (std::find(sides_.begin(), sides_.end(), body) != sides_.end()) return;
@@ -104,13 +124,68 @@ const Dof& dofAt(const Model& model, const std::pair<int, int>& at) {
   return model.links[static_cast<std::size_t>(at.first)].dofs[static_cast<std::size_t>(at.second)];
 }
 
+using Chain = std::pair<Tendon::Term, Tendon::Term>;
+
+/// First and last terms of chains: each next joint is that of a child, of the same type and coefficient,
+/// about or along a parallel axis. The sum of a chain is the turn or travel of its last link in the parent of
+/// the first.
+std::vector<Chain> chainsOf(const Model& model, const Layout& layout, std::vector<Tendon::Term> terms) {
+  std::sort(terms.begin(), terms.end(), [](const auto& a, const auto& b) { return a.dof < b.dof; });
+  const auto axisOf = [&](const Tendon::Term& term) {
+    return rotate(layout.inWorld[static_cast<std::size_t>(term.dof.first)].q, dofAt(model, term.dof).axis);
+  };
+  const auto isSingle = [&](const Tendon::Term& term) {
+    return model.links[static_cast<std::size_t>(term.dof.first)].dofs.size() == 1;
+  };
+  std::vector<Chain> chains;
+  for (const Tendon::Term& term : terms) {
+    const int parent = rootOf(layout, model.links[static_cast<std::size_t>(term.dof.first)].parent);
+    const auto chain = std::find_if(chains.begin(), chains.end(), [&](const Chain& each) {
+      const Tendon::Term& last = each.second;
+      constexpr double kParallel = 1 - 1e-9;
+      return last.dof.first == parent && last.coefficient == term.coefficient && isSingle(last) &&
+             isSingle(term) && dofAt(model, last.dof).type == dofAt(model, term.dof).type &&
+             dot(axisOf(last), axisOf(term)) > kParallel;
+    });
+    if (chain == chains.end())
+      chains.emplace_back(term, term);
+    else
+      chain->second = term;
+  }
+  return chains;
+}
+
+Tendon::Motion chainMotion(const Model& model, const Tendon::Term& first, const Tendon::Term& last) {
+  const Dof& dof = dofAt(model, last.dof);
+  Tendon::Motion motion;
+  motion.link = motion.axisLink = last.dof.first;
+  motion.frame = model.links[static_cast<std::size_t>(first.dof.first)].parent;
+  motion.turns = dof.type == DofType::Hinge;
+  motion.axis = dof.axis, motion.anchor = dof.anchor, motion.coefficient = last.coefficient;
+  return motion;
+}
+
+/// A motion at the beginning [m], [rad].
+double startOf(const Layout& layout, const Tendon::Motion& motion) {
+  if (motion.start) return *motion.start;
+  const auto pose = [&](int link) {
+    return link < 0 ? Pose{} : layout.inWorld[static_cast<std::size_t>(link)];
+  };
+  const Vec3 axis = rotate(pose(motion.axisLink).q, motion.axis);
+  if (!motion.turns) return dot(axis, pose(motion.link) * motion.anchor - pose(motion.frame) * motion.origin);
+  const Quat turn = pose(motion.link).q * conjugate(pose(motion.frame).q);
+  const double half = length(turn.v), sign = turn.s < 0 ? -1 : 1;
+  return half > 0 ? 2 * sign * std::atan2(half, sign * turn.s) / half * dot(axis, turn.v) : 0;
+}
+
 }  // namespace
 
 std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Tendon& tendon,
                                  Report& report) {
   TendonBuilder builder(model, layout);
   const auto lose = [&](const std::string& why) {
-    report.note(Effect::Lost, tendon.place, "tendon" + inQuotes(tendon.name), why);
+    report.note(why == kStill ? Effect::None : Effect::Lost, tendon.place, "tendon" + inQuotes(tendon.name),
+                why);
     return std::nullopt;
   };
   for (const Tendon::Point& point : tendon.path) builder.addPoint(point);
@@ -119,9 +194,18 @@ std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const
   for (const Tendon::Term& term : tendon.terms) {
     const Dof& dof = dofAt(model, term.dof);
     if (model.links[static_cast<std::size_t>(term.dof.first)].dofs.size() != 1)
-      return lose("only joints that are alone in their body can be coupled");
-    builder.addTerm(term.dof, {term.coefficient, 0, 0, 0});
+      report.note(Effect::Approximate, tendon.place, "tendon" + inQuotes(tendon.name), kSeveralJoints);
     start += term.coefficient * (dof.reference + dof.start);
+  }
+  for (const auto& [first, last] : chainsOf(model, layout, tendon.terms)) {
+    if (first.dof == last.dof)
+      builder.addTerm(first.dof, {first.coefficient, 0, 0, 0});
+    else
+      builder.addMotion(chainMotion(model, first, last));
+  }
+  for (const Tendon::Motion& motion : tendon.motions) {
+    builder.addMotion(motion);
+    start += motion.coefficient * startOf(layout, motion);
   }
   JointDef joint;
   if (const std::string why = builder.build(joint); !why.empty()) return lose(why);

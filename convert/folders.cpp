@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <system_error>
 
@@ -20,6 +21,19 @@ std::string bytesOf(const fs::path& file, const std::string& who) {
   std::ostringstream out;
   out << in.rdbuf();
   return out.str();
+}
+
+fs::path packageOf(const fs::path& folder) {
+  std::error_code failed;
+  const fs::path home = fs::weakly_canonical(folder.empty() ? "." : folder, failed);
+  if (failed) return folder;
+  const auto isRoot = [](const fs::path& at) { return at.parent_path() == at; };
+  fs::path at = home;
+  for (int level = 0; level <= 4 && !isRoot(at) && !isRoot(at.parent_path()); ++level, at = at.parent_path())
+    if (fs::is_regular_file(at / "package.xml", failed)) return at;
+  constexpr const char* kKinds[] = {"urdf", "urdfs", "robots", "xml", "xmls", "mjcf", "usd"};
+  const bool isKind = std::find(std::begin(kKinds), std::end(kKinds), home.filename()) != std::end(kKinds);
+  return isKind && !isRoot(home.parent_path()) ? home.parent_path() : home;
 }
 
 void Folders::allow(const fs::path& folder) {

@@ -11,6 +11,10 @@ namespace rubble::convert {
 /// The bytes of a file. Throws Error at `who` if it cannot be read, or has more than 512 MiB.
 std::string bytesOf(const std::filesystem::path& file, const std::string& who);
 
+/// The folder that a model belongs to: the package above its own folder (one with a package.xml, at most four
+/// levels up), or the one above a folder that is named for its kind of files ("urdf"); else its own.
+std::filesystem::path packageOf(const std::filesystem::path& folder);
+
 class Folders {
  public:
   /// Throws Error if there is no such folder.

@@ -70,13 +70,13 @@ Import importModel(const std::string& file, const ImportOptions& options) {
   Report report;
   report.file = file;
   if (isUsdFile(file) || isGltfFile(file)) {
-    folders.allow(std::filesystem::path(file).parent_path());
+    folders.allow(packageOf(std::filesystem::path(file).parent_path()));
     const Model model = modelOf(bytesOf(file, file), file, isUsdFile(file), folders, report);
     return finished(model, std::move(report));
   }
   Source source(folders);
   const pugi::xml_node root = source.load(file, file);
-  folders.allow(source.home());
+  folders.allow(packageOf(source.home()));
   const Model model = modelOf(source, root, options, report);
   return finished(model, std::move(report));
 }

@@ -26,7 +26,7 @@ Model MjcfReader::read(pugi::xml_node root) {
   finishCamera();
   finishSpringDampers();
   each("tendon", [&](pugi::xml_node node) {
-    for (const pugi::xml_node& child : source_.children(node)) readTendon(tagOf(child));
+    for (const pugi::xml_node& child : source_.children(node)) readTendon(tagOfKind(child, "tendon"));
   });
   each("contact", [&](pugi::xml_node node) { readContact(node); });
   each("equality", [&](pugi::xml_node node) { readEquality(node); });

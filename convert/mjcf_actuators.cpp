@@ -36,10 +36,12 @@ std::optional<MjcfLaw> MjcfReader::lawOf(const Tag& tag, double control, double 
   if (type == "position" || type == "intvelocity") {
     const double kp = tag.number("kp", 1), ratio = tag.number("dampratio", 0);
     double kv = tag.number("kv", 0);
-    if (ratio > 0 && target.dof)
-      kv = 2 * ratio * std::sqrt(std::max(kp * inertiaSeen(*target.dof), 0.)) / std::fabs(target.gear);
-    else if (ratio > 0)
-      report_.note(Effect::Lost, tag.place(), type + ".dampratio", "of an actuator of a tendon; give kv");
+    if (ratio > 0) {
+      const double mass = massSeen(target.moments);
+      kv = 2 * ratio * std::sqrt(std::max(kp * mass, 0.));
+      if (!(mass > 0))
+        report_.note(Effect::Lost, tag.place(), type + ".dampratio", "of this actuator; give kv");
+    }
     if (tag.number("timeconst", 0) != 0) approximate("timeconst", "the target is not filtered");
     return Law{kp * (type == "position" ? control : integrated()), -kp, -kv};
   }
@@ -78,51 +80,77 @@ std::optional<MjcfLaw> MjcfReader::lawOf(const Tag& tag, double control, double 
   return Law{gains[0] * input + biases[0], gains[1] * input + biases[1], gains[2] * input + biases[2]};
 }
 
+Vec3 MjcfReader::gearOf(const Tag& tag, std::size_t first) const {
+  auto gear = tag.numbers("gear", 1, 6).value_or(std::vector<double>{1});
+  gear.resize(6);
+  return {gear[first], gear[first + 1], gear[first + 2]};
+}
+
 std::optional<MjcfTarget> MjcfReader::targetOf(const Tag& tag) {
   MjcfTarget out;
-  out.gear = tag.numbers("gear", 1, 6).value_or(std::vector<double>{1})[0];
+  out.gear = gearOf(tag, 0).x;
   if (tag.has("tendon")) {
     const std::string name = tag.need("tendon");
     const auto found = tendonByName_.find(name);
     if (found == tendonByName_.end()) tag.fail("tendon", "the name of a tendon", "\"" + name + "\"");
     Tendon& own = model_.tendons[found->second];
     out.coordinate = &own, out.what = "tendon" + inQuotes(name), out.length = out.gear * lengthInFile(own);
+    out.moments = momentsOf(own);
+    for (auto& moment : out.moments) moment.second *= out.gear;
     return out;
   }
+  if (tag.has("site")) return targetOfSite(tag);
   const char* joint = tag.has("joint") ? "joint" : "jointinparent";
   if (!tag.has(joint)) {
-    report_.note(Effect::Lost, tag.place(), tag.describe(), "only joints and tendons have actuators");
+    report_.note(Effect::Lost, tag.place(), tag.describe(), "only joints, tendons and sites have actuators");
     return std::nullopt;
   }
   const std::string name = tag.need(joint);
+  if (const auto free = freeByName_.find(name); free != freeByName_.end())
+    return targetOfTurns(tag, free->second, joint[5] != '\0');
   const auto found = dofByName_.find(name);
   if (found == dofByName_.end()) tag.fail(joint, "the name of a joint of a body", "\"" + name + "\"");
   Dof& own = dof(found->second);
-  if (own.type == DofType::Ball) {
-    report_.note(Effect::Lost, tag.place(), tag.describe(), "an actuator of a ball joint");
-    return std::nullopt;
-  }
-  out.coordinate = &own, out.dof = found->second, out.what = "joint" + inQuotes(own.name);
+  if (own.type == DofType::Ball) return targetOfTurns(tag, found->second.first, joint[5] != '\0');
+  out.coordinate = &own, out.moments = {{found->second, out.gear}}, out.what = "joint" + inQuotes(own.name);
   out.length = out.gear * (own.reference + own.start);
   if (const auto limit = actuatorForce_.find(found->second); limit != actuatorForce_.end())
     out.most = limit->second;
   return out;
 }
 
+double MjcfReader::controlOf(const Tag& tag, std::size_t index) {
+  const double control = index < controls_.size() ? controls_[index] : 0;
+  const auto range = limitOf(tag, "ctrlrange", "ctrllimited");
+  return range && compiler_.clampsControls ? std::clamp(control, (*range)[0], (*range)[1]) : control;
+}
+
+void MjcfReader::readAdhesion(const Tag& tag, std::size_t index) {
+  linkOf(tag, "body");
+  const double force = tag.number("gain", 1) * controlOf(tag, index);
+  report_.note(force == 0 ? Effect::None : Effect::Lost, tag.place(), tag.describe(),
+               force == 0 ? "its control is 0: it does not pull" : "a pull of contacts on a body");
+}
+
 void MjcfReader::readActuator(const Tag& tag) {
   const std::size_t index = actuators_++, activated = activated_;
   activated_ += hasActivation(tag);
   const std::string what = tag.describe();
-  if (!compiler_.actuation) return report_.note(Effect::None, tag.place(), what, "actuation is disabled");
+  const bool isOff = std::count(compiler_.actuatorsOff.begin(), compiler_.actuatorsOff.end(),
+                                tag.number("group", 0)) > 0;
+  if (!compiler_.actuation || isOff) {
+    tag.useAll();
+    return report_.note(Effect::None, tag.place(), what, "actuation is disabled");
+  }
+  if (tag.type() == "adhesion") return readAdhesion(tag, index);
   const auto target = targetOf(tag);
-  if (!target) return;
+  if (!target) return tag.useAll();
   const double gear = target->gear, square = gear * gear;
-  double control = index < controls_.size() ? controls_[index] : 0;
-  if (const auto range = limitOf(tag, "ctrlrange", "ctrllimited"))
-    control = std::clamp(control, (*range)[0], (*range)[1]);
-  const std::optional<Law> law = lawOf(
-      tag, control, activated < activations_.size() ? activations_[activated] : 0, *target);
-  if (!law) return report_.note(Effect::Lost, tag.place(), what, "an actuator of this kind");
+  const double control = controlOf(tag, index);
+  std::optional<Law> law = lawOf(tag, control, activated < activations_.size() ? activations_[activated] : 0,
+                                 *target);
+  if (!law) return tag.useAll(), report_.note(Effect::Lost, tag.place(), what, "an actuator of this kind");
+  if (!target->hasLength) law->byLength = 0;
   double most = target->most, force = law->constant;
   if (const auto range = limitOf(tag, "forcerange", "forcelimited")) {
     most = std::min(most, std::fabs(gear) * std::max(std::fabs((*range)[0]), std::fabs((*range)[1])));

@@ -6,6 +6,7 @@
 
 #include "convert/mjcf_reader.h"
 #include "io/mesh_file.h"
+#include "io/picture.h"
 
 namespace rubble::convert {
 namespace {
@@ -28,6 +29,20 @@ std::vector<double> readSamples(const std::filesystem::path& file, MjcfHeightFie
           static_cast<std::streamsize>(samples.size() * sizeof(float)));
   if (!in) throw Error(who, std::to_string(samples.size()) + " samples", "fewer");
   return {samples.begin(), samples.end()};
+}
+
+/// Heights of a picture, by its red channel as in MuJoCo. Its first row is that of the largest y.
+std::vector<double> pictureSamples(const std::filesystem::path& file, MjcfHeightField& field,
+                                   const std::string& who) {
+  const io::Image picture = io::readPng(file.string());
+  field.rows = picture.height, field.columns = picture.width;
+  if (std::min(field.rows, field.columns) < 2 || std::max(field.rows, field.columns) > kMostSamples)
+    throw Error(who, "a picture of 2 to 16384 rows and columns", file.filename().string());
+  std::vector<double> out;
+  const auto columns = static_cast<std::size_t>(field.columns);
+  for (std::size_t row = static_cast<std::size_t>(field.rows); row-- > 0;)
+    for (std::size_t i = 0; i < columns; ++i) out.push_back(picture.rgb[3 * (row * columns + i)]);
+  return out;
 }
 
 /// Samples become 0 to 1.
@@ -107,8 +122,8 @@ void MjcfReader::readMesh(const Tag& tag) {
   if (scale.x * scale.y * scale.z < 0)
     for (std::array<int, 3>& t : mesh.triangles) std::swap(t[1], t[2]);
   if (mesh.triangles.empty()) mesh = hullOf(mesh.vertices, tag.path("vertex"));
-  const std::size_t kind = tag.choice("inertia", {"exact", "legacy", "convex", "shell"}, 1);
-  asset.mass = static_cast<MeshMass>(kind);
+  asset.mass = static_cast<MeshMass>(tag.choice("inertia", {"exact", "legacy", "convex", "shell"},
+                                                static_cast<std::size_t>(compiler_.meshMass)));
   meshes_.emplace(name, std::move(asset));
 }
 
@@ -123,12 +138,8 @@ void MjcfReader::readHeightField(const Tag& tag) {
   if (tag.has("file")) {
     const std::filesystem::path file = assetFile(tag, "");
     if (name.empty()) name = file.stem().string();
-    if (file.extension() == ".png") {
-      report_.note(Effect::Lost, tag.place(), "hfield" + inQuotes(name),
-                   "heights in a PNG file; use the binary format");
-      return;
-    }
-    field.samples = readSamples(file, field, tag.path("file"));
+    field.samples = file.extension() == ".png" ? pictureSamples(file, field, tag.path("file"))
+                                               : readSamples(file, field, tag.path("file"));
   } else {
     field.rows = tag.whole("nrow", 2, kMostSamples).value_or(0);
     field.columns = tag.whole("ncol", 2, kMostSamples).value_or(0);

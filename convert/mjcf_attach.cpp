@@ -93,6 +93,7 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   };
   add(linkByName_, reader.linkByName_, [&](int& at) { return at != 0 && moveLink(at); });
   add(dofByName_, reader.dofByName_, moveDof);
+  add(freeByName_, reader.freeByName_, [&](int& at) { return moveLink(at) != nullptr; });
   add(sites_, reader.sites_, moveFrame);
   add(rounds_, reader.rounds_, moveFrame);
   add(geoms_, reader.geoms_, moveGeom);
@@ -146,6 +147,16 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
       if (wrap.guide) wrap.guide = rotate(in->q, *wrap.guide);
     }
     for (Tendon::Term& term : tendon.terms) whole = moveDof(term.dof) && whole;
+    for (Tendon::Motion& motion : tendon.motions) {
+      const auto moved = [&](int& at) {
+        const Pose* const in = at < 0 ? nullptr : moveLink(at);
+        whole = whole && (in || at < 0);
+        return in ? *in : Pose{};
+      };
+      motion.anchor = moved(motion.link) * motion.anchor;
+      motion.origin = moved(motion.frame) * motion.origin;
+      motion.axis = rotate(moved(motion.axisLink).q, motion.axis);
+    }
     return whole;
   });
   for (; next < model_.tendons.size(); ++next)

@@ -104,6 +104,7 @@ void MjcfReader::readReplicate(const Tag& tag, const MjcfScope& scope) {
 void MjcfReader::readInertial(const Tag& tag, const MjcfScope& scope) {
   if (scope.link == 0) return;
   if (compiler_.inertiaFromGeoms == 1) {
+    tag.useAll();
     report_.note(Effect::None, tag.place(), "inertial", "inertiafromgeom says that geometry gives the mass");
     return;
   }

@@ -28,6 +28,7 @@ void MjcfReader::readCompiler(pugi::xml_node node) {
   compiler_.stripPath = tag.flag("strippath", compiler_.stripPath);
   compiler_.assetFolder = tag.text("assetdir").value_or(compiler_.assetFolder);
   compiler_.meshFolder = tag.text("meshdir").value_or(compiler_.meshFolder);
+  if (tag.flag("exactmeshinertia", false)) compiler_.meshMass = MeshMass::Exact;
   if (tag.choice("coordinate", {"local", "global"}, 0) == 1)
     tag.fail("coordinate", "local (MuJoCo has removed global coordinates)", "global");
 }
@@ -45,6 +46,8 @@ void MjcfReader::readOption(pugi::xml_node node) {
                    "there is no drag of a medium");
   if (lengthSquared(tag.vector("wind").value_or(Vec3{})) > 0)
     report_.note(Effect::Lost, tag.place(), "option.wind", "there is no wind");
+  for (const double group : tag.numbers("actuatorgroupdisable", 0, 32).value_or(std::vector<double>{}))
+    compiler_.actuatorsOff.push_back(group);
   for (const pugi::xml_node& flag : source_.children(node, "flag")) readFlags(flag);
 }
 
@@ -60,6 +63,8 @@ void MjcfReader::readFlags(pugi::xml_node node) {
   compiler_.friction = compiler_.friction && isOn("frictionloss");
   compiler_.actuation = compiler_.actuation && isOn("actuation");
   compiler_.equality = compiler_.equality && isOn("equality");
+  compiler_.clampsControls = compiler_.clampsControls && isOn("clampctrl");
+  if (!isOn("passive")) compiler_.springs = compiler_.dampers = false;
   if (!isOn("constraint"))
     compiler_.contacts = compiler_.limits = compiler_.friction = compiler_.equality = false;
 }

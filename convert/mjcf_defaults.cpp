@@ -63,6 +63,10 @@ Tag MjcfReader::tagOf(pugi::xml_node node, const std::string& childClass) {
   return {source_, node, defaultsOf(classOf(node, childClass), {node.name()})};
 }
 
+Tag MjcfReader::tagOfKind(pugi::xml_node node, const char* kind) {
+  return {source_, node, defaultsOf(classOf(node, ""), {kind})};
+}
+
 Tag MjcfReader::actuatorOf(pugi::xml_node node) {
   return {source_, node, defaultsOf(classOf(node, ""), kActuators)};
 }

@@ -125,14 +125,17 @@ bool MjcfReader::shapeOf(const Tag& tag, const std::string& type, Geom& geom, So
     return true;
   }
   if (type == "hfield") return fieldShape(tag, geom);
-  if (type == "mesh" || tag.has("mesh")) return meshShape(tag, geom, solid);
+  if (type == "mesh" || (type == "sdf" && tag.has("mesh"))) return meshShape(tag, geom, solid);
   if (type == "sdf") {
     report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
                  "a signed distance function of a plugin");
     return false;
   }
   std::vector<double> size = tag.numbers("size", 1, 3).value_or(std::vector<double>{});
-  if (type != "sphere")
+  if (tag.has("mesh")) {
+    size = fittedSize(tag, type, geom.pose);
+    if (size.empty()) return false;
+  } else if (type != "sphere")
     if (const auto ends = tag.numbers("fromto", 6, 6))
       size = spanned(tag, type, std::move(size), *ends, geom.pose);
   const Vec3 s = positive(tag, size, type == "sphere" ? 1 : type == "capsule" || type == "cylinder" ? 2 : 3);
@@ -152,6 +155,36 @@ bool MjcfReader::shapeOf(const Tag& tag, const std::string& type, Geom& geom, So
   return true;
 }
 
+std::vector<double> MjcfReader::fittedSize(const Tag& tag, const std::string& type, Pose& pose) {
+  const auto found = meshes_.find(tag.need("mesh"));
+  const MjcfMesh* const asset = found == meshes_.end() ? nullptr : &found->second;
+  const SolidSums sums = asset ? massOf(asset->mesh, asset->mass, tag.path("mesh")) : SolidSums{};
+  if (!(sums.volume > 0)) {
+    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(tag.name()),
+                 "its mesh is not there, or encloses no volume");
+    return {};
+  }
+  // the box of the same mass and inertia, its longest edge along z
+  const MassProperties mass = principal(sums);
+  const Vec3& i = mass.inertia;
+  std::array<std::pair<double, Vec3>, 3> edge;
+  for (int k = 0; k < 3; ++k) {
+    const double square = 1.5 * (i[(k + 1) % 3] + i[(k + 2) % 3] - i[k]) / mass.mass;
+    Vec3 axis;
+    axis[k] = 1;
+    edge[static_cast<std::size_t>(k)] = {std::sqrt(std::max(square, 0.)), rotate(mass.axes, axis)};
+  }
+  std::sort(edge.begin(), edge.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  const Vec3 x = edge[0].second, z = edge[2].second;
+  pose = pose * Pose{mass.center, quatOfAxes(x, cross(z, x), z)};
+  const double scale = tag.number("fitscale", 1), across = scale * (edge[0].first + edge[1].first) / 2,
+               along = scale * edge[2].first;
+  if (type == "sphere") return {(2 * across + along) / 3};
+  if (type == "capsule") return {across, std::max(along - across / 2, 1e-6)};
+  if (type == "cylinder") return {across, along};
+  return {scale * edge[0].first, scale * edge[1].first, along};
+}
+
 bool MjcfReader::meshShape(const Tag& tag, Geom& geom, SolidSums& solid) {
   const std::string name = tag.need("mesh");
   const auto found = meshes_.find(name);
@@ -160,13 +193,11 @@ bool MjcfReader::meshShape(const Tag& tag, Geom& geom, SolidSums& solid) {
                  "the mesh '" + name + "' is not there");
     return false;
   }
-  if (tag.text("type").value_or("mesh") != "mesh")
-    report_.note(Effect::Approximate, tag.place(), "geom.type",
-                 "the convex hull of the mesh stands for the primitive that MuJoCo fits to it");
   const MjcfMesh& asset = found->second;
   solid = massOf(asset.mesh, asset.mass, tag.path("mesh"));
   if (!(solid.volume > 0)) {
-    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
+    const bool hasMass = tag.number("mass").value_or(tag.number("density", 1)) > 0;
+    report_.note(hasMass ? Effect::Lost : Effect::None, tag.place(), "geom" + inQuotes(geom.name),
                  "the mesh '" + name + "' encloses no volume, so it has no mass");
     solid = {};
   }
@@ -177,7 +208,7 @@ bool MjcfReader::meshShape(const Tag& tag, Geom& geom, SolidSums& solid) {
       report_.note(Effect::Approximate, tag.place(), "geom.mesh",
                    "at most 64 corners of the convex hull of a mesh take part in contacts");
   } catch (const Error&) {
-    report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
+    report_.note(geom.contact.any() ? Effect::Lost : Effect::None, tag.place(), "geom" + inQuotes(geom.name),
                  "the mesh '" + name + "' has no convex hull (it is flat, or this build has no qhull)");
     return false;
   }

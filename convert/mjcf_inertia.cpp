@@ -1,44 +1,54 @@
-/// Inertias that coordinates see, and what is given by them.
-#include <vector>
+/// Masses that forces along coordinates accelerate, and what is given by them.
+#include <cmath>
 
 #include "convert/mjcf_reader.h"
 
 namespace rubble::convert {
 
-double MjcfReader::inertiaSeen(const std::pair<int, int>& at) const {
-  const std::size_t count = model_.links.size(), own = static_cast<std::size_t>(at.first);
-  const Link& link = model_.links[own];
-  const Dof& dof = link.dofs[static_cast<std::size_t>(at.second)];
-  // all that hangs on the link, in its frame
-  std::vector<bool> below(count);
-  std::vector<Pose> pose(count);
-  SolidSums sums;
-  for (std::size_t i = own; i < count; ++i) {
-    const auto parent = static_cast<std::size_t>(model_.links[i].parent);
-    below[i] = i == own || (i > own && model_.links[i].parent >= 0 && below[parent]);
-    if (!below[i]) continue;
-    if (i != own) pose[i] = pose[parent] * model_.links[i].pose;
-    sums += placed(model_.links[i].mass, pose[i].p, pose[i].q, 1);
+const MassMatrix& MjcfReader::massMatrix(int at) {
+  int top = at;
+  for (int i = at; i > 0; i = model_.links[static_cast<std::size_t>(i)].parent)
+    if (link(i).moves()) top = i;
+  const auto found = massMatrices_.find(top);
+  return found != massMatrices_.end() ? found->second
+                                      : massMatrices_.emplace(top, MassMatrix(model_, top)).first->second;
+}
+
+double MjcfReader::massSeen(const Moments& moments) {
+  double inverse = 0;  // trees do not share degrees of freedom
+  std::map<const MassMatrix*, Moments> trees;
+  for (const auto& moment : moments) trees[&massMatrix(moment.first.first)].push_back(moment);
+  for (const auto& [matrix, own] : trees) {
+    const double mass = matrix->effective(own);
+    if (mass > 0) inverse += 1 / mass;
   }
-  if (dof.type == DofType::Slide) return sums.volume + dof.armature;
-  const SolidSums about = placed(sums, -dof.anchor, {}, 1);
-  const std::array<double, 6>& s = about.second;
-  const Vec3& a = dof.axis;
-  const double along = s[0] * a.x * a.x + s[1] * a.y * a.y + s[2] * a.z * a.z +
-                       2 * (s[3] * a.x * a.y + s[4] * a.x * a.z + s[5] * a.y * a.z);
-  return s[0] + s[1] + s[2] - along + dof.armature;
+  return inverse > 0 ? 1 / inverse : 0;
+}
+
+double MjcfReader::responseTo(const Moments& moments) {
+  double square = 0;
+  std::map<const MassMatrix*, Moments> trees;
+  for (const auto& moment : moments) trees[&massMatrix(moment.first.first)].push_back(moment);
+  for (const auto& [matrix, own] : trees)
+    for (const double rate : matrix->response(own)) square += rate * rate;
+  return std::sqrt(square);
 }
 
 void MjcfReader::finishSpringDampers() {
   for (const auto& [at, given] : springDampers_) {
     Dof& own = dof(at);
-    const double inertia = inertiaSeen(at);
+    const double inertia = massSeen({{at, 1}});
     if (compiler_.springs) {
       const double rest = own.drive.stiffnessTarget;
       own.drive.stiffness = inertia / (given[0] * given[0] * given[1] * given[1]);
       own.drive.stiffnessTarget = own.drive.stiffness * rest;
     }
     if (compiler_.dampers) own.damping = 2 * inertia / given[0];
+  }
+  for (const auto& [at, soft] : softLimits_) {
+    const double mass = massSeen({{at, 1}});
+    if (!(mass > 0)) continue;
+    dof(at).limitStiffness = soft.stiffness * mass, dof(at).limitDamping = soft.damping(mass);
   }
 }
 

@@ -30,6 +30,7 @@ void MjcfReader::readJoint(const Tag& tag, const MjcfScope& scope) {
     if (!own.dofs.empty() || own.free)
       tag.fail("type", "a free joint that is alone in its body", "several joints");
     own.free = true;
+    if (!name.empty()) freeByName_[name] = scope.link;
     report_.converted(tag.place(), tag.describe(), "free body" + inQuotes(own.name));
     for (const char* key : {"damping", "frictionloss", "stiffness", "armature"})
       if (const auto list = isFree ? std::nullopt : tag.numbers(key, 1, 3); list && (*list)[0] != 0)
@@ -79,6 +80,9 @@ void MjcfReader::readJoint(const Tag& tag, const MjcfScope& scope) {
     if (compiler_.springs) out.drive.stiffnessTarget = rest;
     springDampers_[at] = *springDamper;
   }
+  if (const auto soft = out.range && out.type != DofType::Ball ? softnessOf(tag, "solreflimit", "solimplimit")
+                                                               : std::nullopt)
+    softLimits_[at] = *soft;
   if (const auto force = limitOf(tag, "actuatorfrcrange", "actuatorfrclimited"))
     actuatorForce_[at] = std::max(std::fabs((*force)[0]), std::fabs((*force)[1]));
   if (!name.empty() && !dofByName_.emplace(name, at).second)

@@ -33,7 +33,8 @@ std::optional<MjcfLaw> MjcfReader::muscleLaw(const Tag& tag, double activation, 
                   std::max(target.gear * (*range)[0], target.gear * (*range)[1])}};
   }
   double peak = given[2];
-  if (peak < 0 && target.dof) peak = given[3] * inertiaSeen(*target.dof) / std::fabs(target.gear);
+  if (const double response = peak < 0 ? responseTo(target.moments) : 0; response > 0)
+    peak = given[3] / response;
   if (!lengths || peak < 0 || !(given[1] > given[0]) || !(curves.longest > 1 && curves.shortest < 1) ||
       !(curves.fastest > 0))
     return std::nullopt;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "convert/geometry.h"
+#include "convert/mass_matrix.h"
 #include "convert/mjcf.h"
 #include "convert/tag.h"
 
@@ -24,6 +25,9 @@ struct MjcfCompiler {
   double totalMass = -1;                   ///< not positive: as it is [kg]
   bool stripPath = false;
   std::string meshFolder, assetFolder;
+  MeshMass meshMass = MeshMass::Legacy;  ///< of meshes that do not say
+  std::vector<double> actuatorsOff;      ///< groups of actuators that are disabled
+  bool clampsControls = true;
   bool contacts = true, limits = true, springs = true, dampers = true, friction = true, actuation = true,
        equality = true;
 };
@@ -84,10 +88,11 @@ struct MjcfLaw {
 /// The coordinate that an actuator acts on.
 struct MjcfTarget {
   Coordinate* coordinate = nullptr;
-  std::optional<std::pair<int, int>> dof;  ///< of a joint
-  double gear = 1, length = 0;             ///< length: of the actuator at the beginning
-  double most = kHard;                     ///< largest force of all actuators of the joint
-  std::string what;                        ///< "joint 'knee'"
+  Moments moments;              ///< of the actuator, with its gear
+  double gear = 1, length = 0;  ///< length: of the actuator at the beginning
+  bool hasLength = true;        ///< false: its length is always 0
+  double most = kHard;          ///< largest force of all actuators of the joint
+  std::string what;             ///< "joint 'knee'"
 };
 
 /// What surrounds an element of the tree of bodies.
@@ -120,6 +125,8 @@ class MjcfReader {
   void readDefaults(pugi::xml_node node, const std::string& parent, int depth);
   /// An element with the defaults of its class, or of `childClass`.
   Tag tagOf(pugi::xml_node node, const std::string& childClass = "");
+  /// The same for types that share the defaults of their kind: "tendon", "equality".
+  Tag tagOfKind(pugi::xml_node node, const char* kind);
   /// The same for actuators, whose types share their defaults.
   Tag actuatorOf(pugi::xml_node node);
   std::vector<pugi::xml_node> defaultsOf(const std::string& className,
@@ -154,6 +161,8 @@ class MjcfReader {
   /// Integrals at density 1 in the frame of the shape; false if the geom has no shape that can be used.
   bool shapeOf(const Tag& tag, const std::string& type, Geom& geom, SolidSums& solid);
   bool meshShape(const Tag& tag, Geom& geom, SolidSums& solid);
+  /// Size of the primitive that MuJoCo fits to a mesh, and `pose` moved to it; empty if that is not possible.
+  std::vector<double> fittedSize(const Tag& tag, const std::string& type, Pose& pose);
   bool fieldShape(const Tag& tag, Geom& geom);
   Material materialOf(const Tag& tag);
 
@@ -179,6 +188,8 @@ class MjcfReader {
   void readCoupling(const Tag& tag);
   /// A tendon that keeps its length.
   void readTendonLock(const Tag& tag);
+  /// Two tendons, the lengths of which have a linear relation.
+  void readTendonRelation(const Tag& tag, std::size_t first, const std::vector<double>& terms);
   int linkOf(const Tag& tag, const char* key) const;
 
   // mjcf_tendons.cpp
@@ -188,23 +199,43 @@ class MjcfReader {
   const MjcfSite& siteOf(const Tag& tag, const char* key) const;
   void readSum(const Tag& tag, Tendon& tendon);
   double lengthInFile(const Tendon& tendon) const;
+  /// Rates of the length by those of all hinges and slides, in the pose of the file.
+  Moments momentsOf(const Tendon& tendon) const;
   /// The length with all joints at the rest of their springs.
   double lengthAtRest(const Tendon& tendon) const;
   template <class PoseOf, class At> double lengthOf(const Tendon& tendon, PoseOf&& poseOf, At&& at) const;
 
   // mjcf_inertia.cpp
-  /// Inertia that a coordinate sees in the pose of the file, with the armature: the diagonal of the mass
-  /// matrix [kg], [kg m2].
-  double inertiaSeen(const std::pair<int, int>& dof) const;
-  /// Springs and dampers that are given by time constant and damping ratio.
+  /// Mass that a force along a length accelerates in the pose of the file, 1 / (J M^-1 J^T) [kg], [kg m2].
+  double massSeen(const Moments& moments);
+  /// Norm of the rates of all degrees of freedom by a unit force along a length, |M^-1 J^T|.
+  double responseTo(const Moments& moments);
+  const MassMatrix& massMatrix(int link);
+  /// Springs, dampers and limits that are given by time constant and damping ratio.
   void finishSpringDampers();
+
+  // mjcf_softness.cpp
+  /// Of a constraint that is softer than one of MuJoCo by default.
+  std::optional<Softness> softnessOf(const Tag& tag, const char* reference, const char* impedance);
 
   // mjcf_actuators.cpp
   void readActuator(const Tag& tag);
+  void readAdhesion(const Tag& tag, std::size_t index);
+  /// Of the keyframe, within its range.
+  double controlOf(const Tag& tag, std::size_t index);
   /// What an actuator acts on; nothing if that is not possible, which is reported.
   std::optional<MjcfTarget> targetOf(const Tag& tag);
   std::optional<MjcfLaw> lawOf(const Tag& tag, double control, double activation, const MjcfTarget& target);
   std::optional<MjcfLaw> muscleLaw(const Tag& tag, double activation, const MjcfTarget& target);
+
+  // mjcf_targets.cpp
+  MjcfTarget targetOfSite(const Tag& tag);
+  /// Of a free or ball joint, whose link is given.
+  MjcfTarget targetOfTurns(const Tag& tag, int link, bool inParent);
+  /// A new tendon.
+  MjcfTarget targetOf(Tendon tendon, const Tag& tag, const std::string& what);
+  /// Three numbers of a gear from one on.
+  Vec3 gearOf(const Tag& tag, std::size_t first) const;
 
   // mjcf_keyframes.cpp
   void readKeyframes(pugi::xml_node node);
@@ -231,8 +262,11 @@ class MjcfReader {
   std::map<std::pair<int, int>, double> actuatorForce_;  ///< limits by actuatorfrcrange [N], [N m]
   /// Time constant and damping ratio of joints [s], [1].
   std::map<std::pair<int, int>, std::array<double, 2>> springDampers_;
+  std::map<std::pair<int, int>, Softness> softLimits_;
   std::map<std::pair<int, int>, double> springRest_;  ///< springref of hinges and slides [m], [rad]
   std::map<std::string, std::size_t> tendonByName_;
+  std::map<std::string, int> freeByName_;       ///< links of free joints
+  std::map<int, MassMatrix> massMatrices_;      ///< by the first link of their tree that moves
   std::vector<double> controls_, activations_;  ///< of the keyframe
   std::size_t actuators_ = 0, activated_ = 0;   ///< read so far, and those with an activation
   std::size_t elements_ = 0;                    ///< of the tree of bodies, with repetitions

@@ -53,8 +53,9 @@ void MjcfReader::readEquality(pugi::xml_node node) {
   for (const pugi::xml_node& child : source_.children(node)) {
     const std::string_view type = child.name();
     if (type != "connect" && type != "weld" && type != "joint" && type != "tendon") continue;
-    const Tag tag = tagOf(child);
+    const Tag tag = tagOfKind(child, "equality");
     if (!tag.flag("active", true) || !compiler_.equality) {
+      tag.useAll();
       report_.note(Effect::None, tag.place(), "equality" + inQuotes(tag.name()), "it is not active");
       continue;
     }
@@ -72,6 +73,7 @@ void MjcfReader::readLoop(const Tag& tag) {
   loop.name = tag.name();
   loop.place = tag.place();
   loop.keepsOrientation = tag.type() == "weld";
+  loop.soft = softnessOf(tag, "solref", "solimp");
   if (tag.has("site1")) {
     const MjcfSite &a = siteOf(tag, "site1"), &b = siteOf(tag, "site2");
     loop.linkA = a.link, loop.linkB = b.link;
@@ -118,14 +120,21 @@ void MjcfReader::readCoupling(const Tag& tag) {
   if (const auto given = tag.numbers("polycoef", 1, 5))
     std::copy(given->begin(), given->end(), terms.begin());
   const std::pair<int, int> first = dofOf("joint1");
+  const std::optional<Softness> soft = softnessOf(tag, "solref", "solimp");
   if (!tag.has("joint2")) {
     Dof& own = dof(first);
     own.range = {own.reference + terms[0], own.reference + terms[0]};
+    const double mass = soft ? massSeen({{first, 1}}) : 0;
+    own.limitStiffness = mass > 0 ? soft->stiffness * mass : kHard;
+    own.limitDamping = mass > 0 ? soft->damping(mass) : 0;
     report_.converted(tag.place(), tag.describe(), "locked joint" + inQuotes(own.name));
     return;
   }
   model_.couplings.push_back({tag.name(), tag.place(), first, dofOf("joint2"), {}});
-  std::copy(terms.begin(), terms.end(), model_.couplings.back().terms.begin());
+  Coupling& own = model_.couplings.back();
+  std::copy(terms.begin(), terms.end(), own.terms.begin());
+  if (const double mass = soft ? massSeen({{first, 1}, {own.dofB, -terms[1]}}) : 0; mass > 0)
+    own.stiffness = soft->stiffness * mass, own.damping = soft->damping(mass);
 }
 
 }  // namespace rubble::convert

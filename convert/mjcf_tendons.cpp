@@ -1,6 +1,7 @@
 /// <tendon>: spatial tendons along sites, and fixed ones, which are sums of coordinates.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "convert/mjcf_reader.h"
 #include "forces/tendon_wrap.h"
@@ -26,6 +27,9 @@ void MjcfReader::readTendon(const Tag& tag) {
     return list[0];
   };
   if (const auto range = limitOf(tag, "range", "limited"); range && compiler_.limits) out.range = range;
+  if (const auto soft = out.range ? softnessOf(tag, "solreflimit", "solimplimit") : std::nullopt)
+    if (const double mass = massSeen(momentsOf(out)); mass > 0)
+      out.limitStiffness = soft->stiffness * mass, out.limitDamping = soft->damping(mass);
   const double stiffness = atLeast0("stiffness"), damping = atLeast0("damping"),
                friction = atLeast0("frictionloss");
   out.armature = atLeast0("armature");
@@ -170,6 +174,43 @@ double MjcfReader::lengthInFile(const Tendon& tendon) const {
       });
 }
 
+Moments MjcfReader::momentsOf(const Tendon& tendon) const {
+  std::map<std::pair<int, int>, double> rates;
+  for (const Tendon::Term& term : tendon.terms) rates[term.dof] += term.coefficient;
+  std::set<int> links;
+  const auto addAll = [&](int at) {
+    for (; at > 0; at = model_.links[static_cast<std::size_t>(at)].parent) links.insert(at);
+  };
+  for (const Tendon::Point& point : tendon.path) addAll(point.link);
+  for (const Tendon::Wrap& wrap : tendon.wraps) addAll(wrap.link);
+  Tendon path;
+  path.path = tendon.path, path.wraps = tendon.wraps;
+  for (const int at : links) {
+    const Link& link = model_.links[static_cast<std::size_t>(at)];
+    for (std::size_t k = 0; k < link.dofs.size(); ++k) {
+      const Dof& dof = link.dofs[k];
+      if (dof.type == DofType::Ball) continue;
+      const auto lengthAt = [&](double change) {
+        const Quat turn = fromAxisAngle(dof.axis, change);
+        const Pose motion = dof.type == DofType::Slide ? Pose{change * dof.axis, {}}
+                                                       : Pose{dof.anchor - rotate(turn, dof.anchor), turn};
+        const Pose from = referencePose(at), moved = from * motion * inverse(from);
+        return lengthOf(
+            path,
+            [&](int of) {
+              int up = of;
+              while (up > at) up = model_.links[static_cast<std::size_t>(up)].parent;
+              return up == at ? moved * referencePose(of) : referencePose(of);
+            },
+            [](const std::pair<int, int>&) { return 0.; });
+      };
+      constexpr double kStep = 1e-5;
+      rates[{at, static_cast<int>(k)}] += (lengthAt(kStep) - lengthAt(-kStep)) / (2 * kStep);
+    }
+  }
+  return {rates.begin(), rates.end()};
+}
+
 double MjcfReader::lengthAtRest(const Tendon& tendon) const {
   return lengthOf(
       tendon, [&](int link) { return restPose(link); },
@@ -180,13 +221,53 @@ void MjcfReader::readTendonLock(const Tag& tag) {
   const std::string name = tag.need("tendon1");
   const auto found = tendonByName_.find(name);
   if (found == tendonByName_.end()) tag.fail("tendon1", "the name of a tendon", "\"" + name + "\"");
-  if (tag.has("tendon2"))
-    return report_.note(Effect::Lost, tag.place(), tag.describe(), "a relation of two tendons");
-  const double offset = tag.numbers("polycoef", 1, 5).value_or(std::vector<double>{0})[0];
+  const auto terms = tag.numbers("polycoef", 1, 5).value_or(std::vector<double>{0, 1});
+  if (tag.has("tendon2")) return readTendonRelation(tag, found->second, terms);
+  const double offset = terms[0];
   Tendon& own = model_.tendons[found->second];
   const double length = lengthInFile(own) + offset;
   own.range = {{length, length}};
+  if (const auto soft = softnessOf(tag, "solref", "solimp"))
+    if (const double mass = massSeen(momentsOf(own)); mass > 0)
+      own.limitStiffness = soft->stiffness * mass, own.limitDamping = soft->damping(mass);
   report_.converted(tag.place(), tag.describe(), "locked tendon" + inQuotes(own.name));
+}
+
+void MjcfReader::readTendonRelation(const Tag& tag, std::size_t first, const std::vector<double>& terms) {
+  const std::string name = tag.need("tendon2");
+  const auto found = tendonByName_.find(name);
+  if (found == tendonByName_.end()) tag.fail("tendon2", "the name of a tendon", "\"" + name + "\"");
+  const Tendon other = model_.tendons[found->second];
+  const double factor = terms.size() > 1 ? -terms[1] : terms.size() == 1 ? 0 : -1;
+  if (std::any_of(terms.begin() + std::min<std::ptrdiff_t>(2, std::ssize(terms)), terms.end(),
+                  [](double term) { return term != 0; }))
+    return report_.note(Effect::Lost, tag.place(), tag.describe(), "terms of higher order of two tendons");
+  if (factor < 0 && !other.path.empty())
+    return report_.note(Effect::Lost, tag.place(), tag.describe(),
+                        "two tendons along sites that grow together");
+  // length_1 + factor length_2 keeps its value
+  Tendon sum = model_.tendons[first];
+  static_cast<Coordinate&>(sum) = {};
+  sum.name = tag.name(), sum.place = tag.place();
+  for (Tendon::Wrap wrap : other.wraps) {
+    wrap.point += sum.path.size();
+    sum.wraps.push_back(wrap);
+  }
+  for (Tendon::Point point : other.path) {
+    point.weight *= factor;
+    sum.path.push_back(point);
+  }
+  for (Tendon::Term term : other.terms) {
+    term.coefficient *= factor;
+    sum.terms.push_back(term);
+  }
+  const double length = lengthInFile(sum) + terms[0];
+  sum.range = {{length, length}};
+  if (const auto soft = softnessOf(tag, "solref", "solimp"))
+    if (const double mass = massSeen(momentsOf(sum)); mass > 0)
+      sum.limitStiffness = soft->stiffness * mass, sum.limitDamping = soft->damping(mass);
+  model_.tendons.push_back(std::move(sum));
+  report_.converted(tag.place(), tag.describe(), "sum of two tendons that keeps its length");
 }
 
 }  // namespace rubble::convert

@@ -2,6 +2,7 @@
 /// A robot model as its file describes it: a tree of links with their geometry and degrees of freedom.
 /// Readers of formats fill it, assemble() makes a scene of it.
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -51,11 +52,21 @@ struct DofDrive {
   double maxForce = kHard;     ///< [N], [N m]
 };
 
+/// A constraint that is not hard, for the mass m that it moves: stiffness m times `stiffness`, and damping of
+/// `ratio` times the critical one.
+struct Softness {
+  double stiffness;  ///< [1/s2]
+  double ratio;      ///< [1]
+
+  double damping(double mass) const { return 2 * ratio * mass * std::sqrt(stiffness); }
+};
+
 /// What acts on a coordinate: of a joint, or of a tendon.
 struct Coordinate {
   /// Coordinates at most; ball: {0, largest angle} [m], [rad].
   std::optional<std::array<double, 2>> range;
   double limitStiffness = kHard;  ///< of the range [N/m], [N m/rad]
+  double limitDamping = 0;        ///< the same, of a finite stiffness [N s/m], [N m s/rad]
   double friction = 0;            ///< [N], [N m]
   DofDrive drive;
   double armature = 0;    ///< [kg], [kg m2]
@@ -92,6 +103,7 @@ struct Link {
   std::vector<Geom> geoms;
   std::vector<Dof> dofs;
   double gravityScale = 1;
+  double linearDamping = 0, angularDamping = 0;  ///< as BodyDef [1/s]
   Vec3 velocity;                  ///< at the beginning, of the center of mass of a free link [m/s]
   Vec3 angularVelocity;           ///< the same, world axes [rad/s]
   bool velocityOfOrigin = false;  ///< `velocity` is that of the origin of its frame
@@ -107,6 +119,7 @@ struct Loop {
   int linkA = -1, linkB = -1;     ///< -1: the world
   Vec3 anchorA, anchorB;          ///< in the frames of the links [m]
   Quat orientationAtoB;           ///< weld: orientation of A seen from B
+  std::optional<Softness> soft;   ///< for the reduced mass of its bodies
 };
 
 /// A joint between links that are placed by themselves. Anchors, frames, axes and the path of a tendon are
@@ -130,6 +143,7 @@ struct Coupling {
   Place place;
   std::pair<int, int> dofA, dofB;  ///< link, index in its dofs
   std::array<double, 5> terms{0, 1, 0, 0, 0};
+  double stiffness = kHard, damping = 0;  ///< of the error of dofA
 };
 
 /// A length along a path, or a sum of coordinates.
@@ -141,6 +155,16 @@ struct Tendon : Coordinate {
   };
   struct Term {
     std::pair<int, int> dof;  ///< link, index in its dofs
+    double coefficient = 1;
+  };
+  /// Travel of a point, or turn, of a link along or about an axis that is fixed in another one.
+  struct Motion {
+    int link = -1, frame = -1;  ///< -1: the world
+    bool turns = false;
+    int axisLink = -1;            ///< the axis is given in the frame of this link
+    Vec3 axis;                    ///< unit
+    Vec3 anchor, origin;          ///< of a travel: from `origin` in `frame` to `anchor` in `link` [m]
+    std::optional<double> start;  ///< at the beginning; none: by the poses there [m], [rad]
     double coefficient = 1;
   };
   /// A sphere or cylinder that the segment from a point to the next one goes around.
@@ -155,6 +179,7 @@ struct Tendon : Coordinate {
   Place place;
   std::vector<Point> path;
   std::vector<Term> terms;
+  std::vector<Motion> motions;
   std::vector<Wrap> wraps;
 };
 

@@ -30,6 +30,10 @@ class Tag {
   [[noreturn]] void fail(const std::string& key, const std::string& expected, const std::string& got) const;
 
   bool has(const char* key) const { return static_cast<bool>(find(key)); }
+  /// Marks all of its own attributes as used: the element is reported as a whole.
+  void useAll() const {
+    for (const pugi::xml_attribute& attribute : node_.attributes()) source_->use(attribute);
+  }
   /// Does the element itself, not a default, have it?
   bool hasOwn(const char* key) const;
   std::optional<std::string> text(const char* key) const;

@@ -1,7 +1,6 @@
 #include "convert/urdf.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 
@@ -10,8 +9,8 @@
 #include "convert/packages.h"
 #include "convert/rotations.h"
 #include "convert/tag.h"
+#include "convert/urdf_mass.h"
 #include "convert/urdf_unused.h"
-#include "io/mesh_file.h"
 
 namespace rubble::convert {
 namespace {
@@ -21,13 +20,6 @@ struct UrdfJoint {
   pugi::xml_node node;
   std::string parent, child;
 };
-
-/// COLLADA and other formats that readSurfaceAsWritten reads with assimp.
-bool needsLibrary(const std::string& name) {
-  std::string ending = std::filesystem::path(name).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending != ".obj" && ending != ".stl" && ending != ".ply" && ending != ".msh";
-}
 
 class UrdfReader {
  public:
@@ -42,11 +34,12 @@ class UrdfReader {
     model_.staticParentsCollide = false;
     for (const pugi::xml_node& node : source_.children(root, "link")) addName(node);
     for (const pugi::xml_node& node : source_.children(root, "joint")) addJoint(node);
-    addLinks(rootLink(root), -1);
+    addRoots(root);
     if (model_.links.size() != links_.size())
       throw Error(source_.path(root), "one tree of links",
                   std::to_string(links_.size() - model_.links.size()) + " links in a loop of joints");
     for (const pugi::xml_node& node : mimics_) addMimic(node);
+    giveMissingMasses(model_, report_);
     return std::move(model_);
   }
 
@@ -74,18 +67,17 @@ class UrdfReader {
     jointsOf_[joint.parent].push_back(joint);
   }
 
-  std::string rootLink(const pugi::xml_node& root) {
-    std::string found;
+  /// The trees of all links without a parent.
+  void addRoots(const pugi::xml_node& root) {
     for (const pugi::xml_node& node : source_.children(root, "link")) {
       const std::string name = node.attribute("name").value();
       if (isChild_.contains(name)) continue;
-      if (!found.empty())
-        throw Error(source_.path(node), "one link without a parent",
-                    "\"" + found + "\" and \"" + name + "\"");
-      found = name;
+      if (!model_.links.empty())
+        report_.note(Effect::Approximate, source_.place(node), "link" + inQuotes(name),
+                     "a further link without a parent: a robot of its own");
+      addLinks(name, -1);
     }
-    if (found.empty()) throw Error(source_.path(root), "a link without a parent", "none");
-    return found;
+    if (model_.links.empty()) throw Error(source_.path(root), "a link without a parent", "none");
   }
 
   /// The links of the tree below one, parents first.
@@ -119,9 +111,15 @@ class UrdfReader {
     link.name = node.attribute("name").value();
     link.place = source_.place(node);
     linkIndex_[link.name] = static_cast<int>(model_.links.size());
-    if (const pugi::xml_node inertial = node.child("inertial")) readInertial(inertial, link);
     const std::vector<pugi::xml_node> collisions = source_.children(node, "collision");
+    solid_ = {};
     for (const pugi::xml_node& each : collisions) readGeometry(each, {1, 1}, link);
+    // without an inertial: water, as in MuJoCo
+    constexpr double kDensity = 1000;
+    if (const pugi::xml_node inertial = node.child("inertial"))
+      readInertial(inertial, link);
+    else
+      link.mass = placed(solid_, {}, {}, kDensity);
     // what is seen stands for links that nothing collides with
     if (collisions.empty())
       for (const pugi::xml_node& each : source_.children(node, "visual")) readGeometry(each, {0, 0}, link);
@@ -142,7 +140,8 @@ class UrdfReader {
                                        inertia.needNumber("izz"), inertia.number("ixy", 0),
                                        inertia.number("ixz", 0),  inertia.number("iyz", 0)};
     const Pose origin = originOf(node);
-    if (value > 0) link.mass = placed(sumsOfTensor(value, tensor), origin.p, origin.q, 1);
+    if (value > 0)
+      link.mass = placed(massOfInertial(value, tensor, solid_, tag.place(), report_), origin.p, origin.q, 1);
   }
 
   void readGeometry(pugi::xml_node node, const Contact& contact, Link& link) {
@@ -153,10 +152,16 @@ class UrdfReader {
     geom.contact = contact;
     geom.pose = originOf(node);
     const pugi::xml_node geometry = node.child("geometry");
-    if (!geometry) tag.fail("geometry", "an element", "none");
+    if (!geometry)
+      return report_.note(contact.any() ? Effect::Lost : Effect::None, tag.place(), tag.describe(),
+                          "it has no geometry");
     source_.use(geometry);
-    for (const pugi::xml_node& shape : source_.children(geometry))
-      if (readShape(Tag(source_, shape), geom)) link.geoms.push_back(geom);
+    for (const pugi::xml_node& shape : source_.children(geometry)) {
+      SolidSums solid;
+      if (!readShape(Tag(source_, shape), geom, solid)) continue;
+      link.geoms.push_back(geom);
+      solid_ += placed(solid, geom.pose.p, geom.pose.q, 1);
+    }
   }
 
   double length(const Tag& tag, const char* key) const {
@@ -165,7 +170,8 @@ class UrdfReader {
     return value;
   }
 
-  bool readShape(const Tag& tag, Geom& geom) {
+  /// `solid`: its integrals at density 1, in its own frame.
+  bool readShape(const Tag& tag, Geom& geom, SolidSums& solid) {
     const std::string type = tag.type();
     if (type == "box") {
       const auto size = tag.vector("size");
@@ -179,31 +185,31 @@ class UrdfReader {
     } else if (type == "capsule") {
       geom.shape = Shape::capsule(length(tag, "radius"), length(tag, "length") / 2);
     } else if (type == "mesh") {
-      return readMesh(tag, geom);
+      return readMesh(tag, geom, solid);
     } else {
       report_.note(Effect::Lost, tag.place(), type, "a geometry that URDF does not have");
       return false;
     }
+    solid = sumsOf(massProperties(geom.shape, 1));
     return true;
   }
 
-  bool readMesh(const Tag& tag, Geom& geom) {
+  bool readMesh(const Tag& tag, Geom& geom, SolidSums& solid) {
     const Effect loss = geom.contact.any() ? Effect::Lost : Effect::None;
     const std::string name = tag.need("filename");
     const Vec3 scale = tag.vector("scale").value_or(Vec3{1, 1, 1});
-    std::vector<Vec3> points;
+    TriangleMesh mesh;
     try {
       const std::string file = packages_.find(name, tag.path("filename")).string();
-      points = needsLibrary(name) ? readSurfaceAsWritten(file).vertices : io::readMesh(file).vertices;
+      mesh = readSurfaceAsWritten(file);
     } catch (const Error& error) {
-      if (loss == Effect::Lost && !needsLibrary(name)) throw;
       report_.note(loss, tag.place(), "mesh" + inQuotes(name), error.what());
       return false;
     }
-    for (Vec3& point : points) point = mul(point, scale);
+    for (Vec3& point : mesh.vertices) point = mul(point, scale);
     try {
       bool reduced = false;
-      geom.shape = Shape::hull(cornersOf(points, reduced, tag.path("filename")));
+      geom.shape = Shape::hull(cornersOf(mesh.vertices, reduced, tag.path("filename")));
       if (loss == Effect::Lost)
         report_.note(Effect::Approximate, tag.place(), "mesh",
                      "the convex hull of a mesh, with at most 64 corners, takes part in contacts");
@@ -212,13 +218,14 @@ class UrdfReader {
                    "it has no convex hull (it is flat, or this build has no qhull)");
       return false;
     }
+    solid = massOf(mesh, MeshMass::Legacy, tag.path("filename"));
     return true;
   }
 
   void readJoint(pugi::xml_node node, Link& link, int index) {
     const Tag tag(source_, node);
-    const std::vector<std::string> types{"revolute", "continuous", "prismatic",
-                                         "fixed",    "floating",   "planar"};
+    const std::vector<std::string> types{"revolute", "continuous", "prismatic", "fixed",
+                                         "floating", "planar",     "spherical"};
     tag.need("type");
     const std::string type = types[tag.choice("type", types, 0)];
     link.pose = originOf(node);
@@ -239,7 +246,9 @@ class UrdfReader {
     dof.place = tag.place();
     dof.axis = normalize(axis);
     readDynamics(node, dof);
-    if (type == "planar") {
+    if (type == "spherical") {
+      dof.type = DofType::Ball;
+    } else if (type == "planar") {
       const Quat frame = quatOfZ(dof.axis);
       for (const Vec3& along : {Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
         Dof slide = dof;
@@ -268,23 +277,35 @@ class UrdfReader {
 
   void readLimit(const pugi::xml_node& joint, const Tag& jointTag, Dof& dof) {
     const pugi::xml_node node = joint.child("limit");
-    if (!node) jointTag.fail("limit", "limits (a joint without is continuous)", "none");
+    if (!node)
+      return report_.note(Effect::Approximate, jointTag.place(), jointTag.describe(),
+                          "its type has limits, and it has none: it moves without");
     const Tag tag(source_, node);
     dof.range = {tag.number("lower", 0), tag.number("upper", 0)};
-    if ((*dof.range)[0] > (*dof.range)[1]) tag.fail("lower", "a lower limit below the upper one", "others");
+    if ((*dof.range)[0] <= (*dof.range)[1]) return;
+    std::swap((*dof.range)[0], (*dof.range)[1]);
+    report_.note(Effect::Approximate, tag.place(), "limit.lower", "above the upper limit: both are swapped");
   }
 
   void addMimic(pugi::xml_node node) {
     const Tag joint(source_, node), tag(source_, node.child("mimic"));
     const std::string other = tag.need("joint");
     const auto found = dofIndex_.find(other);
-    if (found == dofIndex_.end()) tag.fail("joint", "the name of a joint that moves", "\"" + other + "\"");
+    if (found == dofIndex_.end())
+      return report_.note(Effect::Lost, tag.place(), "mimic of" + inQuotes(joint.name()),
+                          "the joint '" + other + "' does not move");
     if (other == joint.name()) tag.fail("joint", "another joint", "itself");
+    if (dofOf(found->second).type == DofType::Ball)
+      tag.fail("joint", "a joint with one axis", "a spherical one");
     model_.couplings.push_back({joint.name() + "_mimic",
                                 tag.place(),
                                 dofIndex_.at(joint.name()),
                                 found->second,
                                 {tag.number("offset", 0), tag.number("multiplier", 1), 0, 0, 0}});
+  }
+
+  const Dof& dofOf(const std::pair<int, int>& at) const {
+    return model_.links[static_cast<std::size_t>(at.first)].dofs[static_cast<std::size_t>(at.second)];
   }
 
   Source& source_;
@@ -298,6 +319,7 @@ class UrdfReader {
   std::map<std::string, int> linkIndex_;
   std::map<std::string, std::pair<int, int>> dofIndex_;
   std::vector<pugi::xml_node> mimics_;
+  SolidSums solid_;  ///< of the collision shapes of the present link at density 1
 };
 
 /// A file that is not expanded has elements of xacro, or expressions.

@@ -60,15 +60,12 @@ Model UsdReader::read(const std::string& bytes, const std::string& file) {
     const UsdPrim prim = at(*placed_[i].prim);
     const usd::Prim& own = prim.prim();
     if (own.type == "PhysicsScene") readScene(prim);
-    if (placed_[i].instance >= 0 && isJoint(own.type))
-      report_.note(Effect::Lost, prim.place(), own.type + inQuotes(own.name), "a joint of an instance");
     if (own.hasSchema("PhysicsCollisionAPI") && prim.flag("physics:collisionEnabled", true))
       addCollider(prim, placed_[i]);
   }
   for (std::size_t i = 1; i < model_.links.size(); ++i) finishMass(static_cast<int>(i));
   for (std::size_t i = 1; i < placed_.size(); ++i)
-    if (isJoint(placed_[i].prim->type) && placed_[i].instance < 0)
-      addJoint(at(*placed_[i].prim), placed_[i].path);
+    if (isJoint(placed_[i].prim->type)) addJoint(at(*placed_[i].prim), placed_[i]);
   addFilters();
   noteUnused();
   return std::move(model_);
@@ -128,6 +125,10 @@ int UsdReader::addBody(const UsdPrim& prim, const std::string& path, const Affin
   link.angularVelocity = std::numbers::pi / 180 *
                          rotate(parent.rigid().q, prim.vector("physics:angularVelocity").value_or(Vec3{}));
   prim.flag("physics:startsAsleep", false);
+  // of PhysX, and written by many programs
+  if (prim.flag("physxRigidBody:disableGravity", false)) link.gravityScale = 0;
+  link.linearDamping = std::max(prim.number("physxRigidBody:linearDamping", 0), 0.);
+  link.angularDamping = std::max(prim.number("physxRigidBody:angularDamping", 0), 0.);
   model_.links.push_back(std::move(link));
   bodyPrims_.push_back(&prim.prim());
   return static_cast<int>(model_.links.size()) - 1;
@@ -168,10 +169,11 @@ void UsdReader::finishMass(int index) {
   const Affine frame = placed_[byPath_.at("/" + link.name)].world;
   if (center && std::isfinite((*center)[0]) && std::isfinite((*center)[1]) && std::isfinite((*center)[2]))
     out.center = inverse(link.pose) * (frame * Vec3{(*center)[0], (*center)[1], (*center)[2]});
+  const Quat axes = (given ? prim.quaternion("physics:principalAxes") : std::nullopt).value_or(Quat{});
   const Vec3 moments = given ? prim.vector("physics:diagonalInertia").value_or(Vec3{}) : Vec3{};
   if (moments.x > 0 && moments.y > 0 && moments.z > 0) {
     out.inertia = moments * (unit * metersPerUnit_ * metersPerUnit_);
-    out.axes = prim.quaternion("physics:principalAxes").value_or(Quat{});
+    out.axes = axes;
   }
   link.mass = sumsOf(out);
 }

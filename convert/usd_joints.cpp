@@ -15,19 +15,20 @@ constexpr std::array kAxes{"transX", "transY", "transZ", "rotX", "rotY", "rotZ"}
 
 }  // namespace
 
-Pose UsdReader::endOf(const UsdPrim& prim, const char* body, const char* position, const char* rotation,
-                      int& link) {
-  const Vec3 at = prim.vector(position).value_or(Vec3{});
+std::optional<Pose> UsdReader::endOf(const Placed& joint, const char* body, const char* position,
+                                     const char* rotation, int& link) {
+  const UsdPrim prim = at(*joint.prim);
+  const Vec3 point = prim.vector(position).value_or(Vec3{});
   const Quat turn = prim.quaternion(rotation).value_or(Quat{});
   Affine frame = placed_.front().world;
   link = -1;
   if (const auto* target = prim.targets(body)) {
-    const auto found = byPath_.find(target->front());
-    if (found == byPath_.end()) prim.fail(body, "a prim that is there", "<" + target->front() + ">");
+    const auto found = byPath_.find(inInstance(joint, target->front()));
+    if (found == byPath_.end()) return std::nullopt;
     frame = placed_[found->second].world, link = placed_[found->second].link;
   }
   // the position is scaled with its body, the orientation is not
-  const Pose world{frame * at, normalize(frame.rigid().q * turn)};
+  const Pose world{frame * point, normalize(frame.rigid().q * turn)};
   return link < 0 ? world : inverse(model_.links[static_cast<std::size_t>(link)].pose) * world;
 }
 
@@ -87,7 +88,8 @@ bool UsdReader::addAxes(const UsdPrim& prim, std::array<JointAxis, 6>& axes, int
   return true;
 }
 
-void UsdReader::addJoint(const UsdPrim& prim, const std::string& path) {
+void UsdReader::addJoint(const UsdPrim& prim, const Placed& placed) {
+  const std::string& path = placed.path;
   const std::string what = prim.prim().type + inQuotes(prim.prim().name);
   if (!prim.flag("physics:jointEnabled", true))
     return report_.note(Effect::None, prim.place(), what, "it is not enabled");
@@ -99,8 +101,10 @@ void UsdReader::addJoint(const UsdPrim& prim, const std::string& path) {
                                                                          : 0;
   FreeJoint out;
   out.place = prim.place();
-  const Pose b = endOf(prim, "physics:body0", "physics:localPos0", "physics:localRot0", out.linkB),
-             a = endOf(prim, "physics:body1", "physics:localPos1", "physics:localRot1", out.linkA);
+  const auto endB = endOf(placed, "physics:body0", "physics:localPos0", "physics:localRot0", out.linkB),
+             endA = endOf(placed, "physics:body1", "physics:localPos1", "physics:localRot1", out.linkA);
+  if (!endA || !endB) return report_.note(Effect::Lost, prim.place(), what, "one of its bodies is not there");
+  const Pose &a = *endA, &b = *endB;
   JointDef joint;
   const double force = prim.number("physics:breakForce", INFINITY, true),
                torque = prim.number("physics:breakTorque", INFINITY, true);

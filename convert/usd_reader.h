@@ -93,11 +93,12 @@ class UsdReader {
   Surface surfaceOf(const UsdPrim& prim, const std::string& path);
 
   // usd_joints.cpp
-  void addJoint(const UsdPrim& prim, const std::string& path);
+  void addJoint(const UsdPrim& prim, const Placed& placed);
   bool addAxes(const UsdPrim& prim, std::array<JointAxis, 6>& axes, int axis);
   void addDrive(const UsdPrim& prim, const std::string& name, bool turns, JointAxis& axis);
-  /// The pose in its link of a frame at a body of a joint.
-  Pose endOf(const UsdPrim& prim, const char* body, const char* position, const char* rotation, int& link);
+  /// The pose in its link of a frame at a body of a joint; nothing if the body is not there.
+  std::optional<Pose> endOf(const Placed& joint, const char* body, const char* position, const char* rotation,
+                            int& link);
 
   double length(double value) const { return value * metersPerUnit_; }
 

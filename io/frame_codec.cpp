@@ -62,19 +62,22 @@ std::uint64_t packQuaternion(const Quat& q) {
 }
 
 Quat unpackQuaternion(std::uint64_t bits) {
-  const int largest = static_cast<int>(bits >> (3 * kQuaternionBits) & 3u);
-  std::array<double, 4> c{};
-  double rest = 1;
-  int shift = 2 * kQuaternionBits;
-  for (int i = 0; i < 4; ++i) {
-    if (i == largest) continue;
+  const auto number = [&](int shift) {
     const auto whole = static_cast<double>(bits >> shift & kQuaternionMask) - kQuaternionHalf;
-    c[static_cast<std::size_t>(i)] = whole / (std::numbers::sqrt2 * kQuaternionHalf);
-    rest -= c[static_cast<std::size_t>(i)] * c[static_cast<std::size_t>(i)];
-    shift -= kQuaternionBits;
-  }
-  c[static_cast<std::size_t>(largest)] = std::sqrt(std::max(rest, 0.));
-  return normalize(Quat{c[0], c[1], c[2], c[3]});
+    return whole / (std::numbers::sqrt2 * kQuaternionHalf);
+  };
+  const double a = number(2 * kQuaternionBits), b = number(kQuaternionBits), c = number(0),
+               rest = 1 - a * a - b * b - c * c, d = std::sqrt(std::max(rest, 0.));
+  // selections, because jumps on the largest one are not predictable
+  const int largest = static_cast<int>(bits >> (3 * kQuaternionBits) & 3u);
+  return normalize(Quat{largest == 0 ? d : a,
+                        largest == 1   ? d
+                        : largest == 0 ? a
+                                       : b,
+                        largest == 2   ? d
+                        : largest == 3 ? c
+                                       : b,
+                        largest == 3 ? d : c});
 }
 
 bool FrameEncoder::add(const RecordedFrame& frame) {

@@ -90,6 +90,8 @@ double boundingRadius(const Shape& shape);
 
 /// Throws Error if the file cannot be written.
 void writePng(const Image& image, const std::string& file);
+/// Reads a picture of at most 2^26 pixels, with its alpha. Throws Error if it cannot be read.
+Image readPng(const std::string& file);
 /// 16 bits for each number, rows from the top. `channels`: 1 (gray) or 3 (red, green, blue). Throws Error if
 /// the file cannot be written.
 void writePng16(int width, int height, int channels, const std::vector<std::uint16_t>& numbers,

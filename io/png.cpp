@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <vector>
 
 #if defined(RUBBLE_HAS_PNG)
@@ -48,7 +49,37 @@ void writePng16(int width, int height, int channels, const std::vector<std::uint
   png_image header = headerOf(width, height, channels == 1 ? PNG_FORMAT_LINEAR_Y : PNG_FORMAT_LINEAR_RGB);
   write(header, numbers.data(), channels * width, file);
 }
+
+Image readPng(const std::string& file) {
+  constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  std::vector<std::uint8_t> pixels;
+  bool isRead = png_image_begin_read_from_file(&header, file.c_str()) != 0;
+  if (isRead && std::uint64_t{header.width} * header.height > kMostPixels) {
+    png_image_free(&header);
+    throw Error(file, "a picture of at most 2^26 pixels", "a larger one");
+  }
+  if (isRead) {
+    header.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
+    header.format = PNG_FORMAT_RGBA;
+    pixels.resize(PNG_IMAGE_SIZE(header));
+    isRead = png_image_finish_read(&header, nullptr, pixels.data(), 0, nullptr) != 0;
+  }
+  if (!isRead) throw Error(file, "a PNG picture", header.message);
+  Image out;
+  out.width = static_cast<int>(header.width), out.height = static_cast<int>(header.height);
+  for (std::size_t i = 0; i < pixels.size(); i += 4) {
+    out.rgb.insert(out.rgb.end(), &pixels[i], &pixels[i] + 3);
+    out.alpha.push_back(pixels[i + 3]);
+  }
+  return out;
+}
 #else
+Image readPng(const std::string& file) {
+  throw Error(file, "a build with libpng to read pictures (Debian: apt-get install libpng-dev)",
+              "one without");
+}
 void writePng(const Image&, const std::string& file) {
   throw Error(file, "a build with libpng to write pictures (Debian: apt-get install libpng-dev)",
               "one without");

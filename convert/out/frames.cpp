@@ -85,6 +85,7 @@ ExportFrame FrameSource::read(int number) {
   out.bodies = rows.bodies, out.softs = rows.softs;
   if (!rows.softs.empty()) out.looks = recording_.softs(index);
   fillVelocities(index, frame, rows, out);
+  last_ = frame, lastIndex_ = index;
   out.poses = std::move(frame.poses), out.vertices = std::move(frame.vertices);
   return out;
 }
@@ -97,7 +98,9 @@ void FrameSource::fillVelocities(int index, const io::RecordedFrame& frame, cons
   const Rows& before = rowsOf(other);
   // Rows are made for the exported frames alone.
   if (before.bodies.empty() && before.softs.empty()) return;
-  const io::RecordedFrame neighbor = recording_.frame(other);
+  // decoding the chunk of frames before this one again would take as long as this one
+  if (lastIndex_ != other) last_ = recording_.frame(other);
+  const io::RecordedFrame& neighbor = last_;
   const double apart = frame.time - neighbor.time;
   if (apart == 0) return;
   const double rate = 1 / apart;

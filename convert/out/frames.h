@@ -61,6 +61,8 @@ class FrameSource {
   Cast cast_;
   std::vector<int> changes_;
   std::vector<Rows> rows_;  ///< of the tables that begin at each of `changes_`
+  io::RecordedFrame last_;  ///< the frame that was read last
+  int lastIndex_ = -1;      ///< its index
 };
 
 /// Writes one format. Frames come in order.

@@ -118,7 +118,15 @@ class Composer {
     auto layer = std::make_unique<Layer>(parse(bytes, file));
     makeAbsolute(layer->root, "/");
     for (const std::string& sub : layer->subLayers) {
-      Layer& weaker = load(find_(sub, file, file + ": subLayers"), file + ": subLayers");
+      const std::string who = file + ": subLayers";
+      std::string found;
+      try {
+        found = find_(sub, file, who);
+      } catch (const Error& error) {
+        missing_.push_back({file, 1, "/", error.what()});
+        continue;
+      }
+      Layer& weaker = load(found, who);
       Prim content = std::move(*weaker.root.copy());
       addWeaker(layer->root, std::move(content));
       if (layer->defaultPrim.empty()) layer->defaultPrim = weaker.defaultPrim;

@@ -28,9 +28,9 @@ using Find = std::function<std::string(const std::string& asset, const std::stri
 /// The content of a file that Find has named.
 using Read = std::function<std::string(const std::string& file, const std::string& who)>;
 
-/// Composes a file, of which `bytes` is the content. References that cannot be found are listed in `missing`.
-/// Throws Error for layers that are not well-formed, for arcs that form a cycle, and for more than kMostPrims
-/// prims.
+/// Composes a file, of which `bytes` is the content. References and sublayers that cannot be found are listed
+/// in `missing`. Throws Error for layers that are not well-formed, for arcs that form a cycle, and for more
+/// than kMostPrims prims.
 Stage openStage(const std::string& bytes, const std::string& file, const Find& find, const Read& read,
                 std::vector<Missing>& missing);
 

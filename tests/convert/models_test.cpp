@@ -34,7 +34,12 @@ const std::vector<std::string> kNames{"pendulum.xml",
                                       "gate.gltf",
                                       "cable.xml",
                                       "wrapped.xml",
-                                      "attached.xml"};
+                                      "attached.xml",
+                                      "drone.xml",
+                                      "gripper.xml",
+                                      "soft_limits.xml",
+                                      "telescope.xml",
+                                      "two_tendons.xml"};
 
 std::string contentOf(const fs::path& file) {
   std::ostringstream out;

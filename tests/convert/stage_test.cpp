@@ -153,6 +153,10 @@ TEST(Usd, ReferencesStayInsideOfTheFolderAndEnd) {
   const Import outside = convert::importModel(
       folder.write("b.usda", usda("def \"x\" ( references = @../../../etc/passwd@ ) { }")));
   EXPECT_EQ(outside.report.count(Effect::Lost), 1u);
+  const Import without = convert::importModel(
+      folder.write("c.usda", usda(ball("b"), "upAxis = \"Z\" subLayers = [@none.usda@, @../up.usda@]")));
+  EXPECT_EQ(without.report.count(Effect::Lost), 2u);
+  EXPECT_EQ(without.file.scene.bodies.size(), 1u);
   for (const char* cycle :
        {"def \"a\" ( references = </b> ) { } def \"b\" ( references = </a> ) { }",
         "def \"a\" { def \"b\" ( references = </a> ) { } }", "def \"a\" ( inherits = </a> ) { }"})
@@ -253,6 +257,43 @@ TEST(Usd, InstancesKeepTheirMaterialsAndFilters) {
   EXPECT_DOUBLE_EQ(bodyNamed(model, "grid/hand_1/palm").material.dynamicFriction, 0.75);
   EXPECT_EQ(model.file.scene.exclusions, (std::vector<std::pair<int, int>>{{0, 1}, {2, 3}}));
   EXPECT_EQ(test::effectsOf(model, "filter 'finger'"), (std::vector<Effect>(2, Effect::Lost)));
+}
+
+TEST(Usd, JointsOfInstancesJoinTheBodiesOfTheirOwnInstance) {
+  const Import model = import(usda(
+      "def PointInstancer \"grid\" {\nrel prototypes = </grid/hand> int[] protoIndices = [0, 0]\n"
+      "point3f[] positions = [(0, 0, 0), (9, 0, 0)]\nquath[] orientations = [(1, 0, 0, 0), (0, 0, 0, 1)]\n"
+      "def Scope \"hand\" {\n" +
+      ball("palm") + ball("finger", at("(1, 0, 1)")) +
+      "def PhysicsRevoluteJoint \"knuckle\" { rel physics:body0 = </grid/hand/palm> "
+      "rel physics:body1 = </grid/hand/finger> point3f physics:localPos0 = (1, 0, 1) }\n"
+      "def PhysicsFixedJoint \"stray\" { rel physics:body0 = </none> rel physics:body1 = </grid/hand/finger> "
+      "}} }"));
+  const auto& scene = model.file.scene;
+  ASSERT_EQ(scene.joints.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    const std::string hand = "grid/hand_" + std::to_string(i);
+    const JointDef& joint = jointNamed(model, hand + "/knuckle");
+    const BodyDef &a = scene.bodies[static_cast<std::size_t>(joint.bodyA)],
+                  &b = scene.bodies[static_cast<std::size_t>(joint.bodyB)];
+    EXPECT_EQ(a.name, hand + "/finger");
+    EXPECT_EQ(b.name, hand + "/palm");
+    expectNear(a.position + rotate(a.orientation, joint.anchorA),
+               b.position + rotate(b.orientation, joint.anchorB));
+  }
+  EXPECT_EQ(test::effectsOf(model, "PhysicsFixedJoint 'stray'"), (std::vector<Effect>(2, Effect::Lost)));
+}
+
+TEST(Usd, ResistanceAndWeightOfPhysxAreThoseOfTheBody) {
+  const Import model = import(usda(ball("b",
+                                        "bool physxRigidBody:disableGravity = 1 float "
+                                        "physxRigidBody:linearDamping = 0.5 float "
+                                        "physxRigidBody:angularDamping = 0.25")));
+  const BodyDef& body = bodyNamed(model, "b");
+  EXPECT_EQ(body.gravityScale, 0);
+  EXPECT_EQ(body.linearDamping, 0.5);
+  EXPECT_EQ(body.angularDamping, 0.25);
+  EXPECT_TRUE(model.report.exact()) << convert::textOf(model.report, true);
 }
 
 TEST(Usd, ADistanceJointHangsFromAStaticColliderWhereItStands) {

@@ -1,5 +1,7 @@
 /// URDF and SRDF.
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "tests/convert/model_file.h"
 
@@ -87,7 +89,9 @@ TEST(Urdf, PackagesAreFoundUpwardOrByOption) {
   folder.write("urdf/deep/s.urdf", std::string(text).replace(text.find("robot_meshes"), 12, "named"));
   ImportOptions options;
   const std::string file = (folder.path() / "urdf/deep/s.urdf").string();
-  EXPECT_NE(messageOf([&] { convert::importModel(file, options); }).find("--package"), std::string::npos);
+  const Import without = convert::importModel(file, options);
+  ASSERT_EQ(without.report.count(Effect::Lost), 1u);
+  EXPECT_NE(convert::textOf(without.report, true).find("--package"), std::string::npos);
   options.packages["named"] = (folder.path() / "elsewhere").string();
   EXPECT_EQ(convert::importModel(file, options).file.scene.bodies.size(), 1u);
 }
@@ -97,11 +101,73 @@ std::string robotWith(const std::string& kind, const std::string& mesh) {
          "'/></geometry></" + kind + "></link></robot>";
 }
 
-TEST(Urdf, AMeshThatIsNotThereIsReportedWhereItIsOnlySeen) {
+TEST(Urdf, AMeshThatIsNotThereIsLostUnlessItIsOnlySeen) {
   EXPECT_EQ(importText(robotWith("visual", "none.stl"), "r.urdf").report.count(Effect::Lost), 0u);
   EXPECT_EQ(importText(robotWith("visual", "package://none/a.dae"), "r.urdf").report.count(Effect::Lost), 0u);
   EXPECT_EQ(importText(robotWith("collision", "none.dae"), "r.urdf").report.count(Effect::Lost), 1u);
-  EXPECT_NE(messageOf([] { importText(robotWith("collision", "none.stl"), "r.urdf"); }), "");
+  EXPECT_EQ(importText(robotWith("collision", "none.stl"), "r.urdf").report.count(Effect::Lost), 1u);
+}
+
+TEST(Urdf, FilesOfAPackageMayLieBesideTheFolderOfTheModel) {
+  const std::string tetra = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const std::string text = robotWith("collision", "../meshes/tetra.obj");
+  const test::ModelFolder folder;
+  folder.write("named/meshes/tetra.obj", tetra);
+  folder.write("plain/meshes/tetra.obj", tetra);
+  folder.write("marked/package.xml", "<package/>");
+  folder.write("marked/meshes/tetra.obj", tetra);
+  const auto lost = [](const std::string& file) {
+    return convert::importModel(file).report.count(Effect::Lost);
+  };
+  EXPECT_EQ(lost(folder.write("named/urdf/r.urdf", text)), 0u);
+  EXPECT_EQ(lost(folder.write("marked/any/r.urdf", text)), 0u);
+  EXPECT_EQ(lost(folder.write("plain/any/r.urdf", text)), 1u);
+}
+
+std::string movingLink(const std::string& content) {
+  return "<robot name='r'><link name='base'/><link name='arm'>" + content + "</link><joint name='j' " +
+         "type='continuous'><parent link='base'/><child link='arm'/></joint></robot>";
+}
+
+TEST(Urdf, ALinkWithoutAnInertialHasTheMassOfItsShapesInWater) {
+  const Import model = importText(
+      movingLink("<collision><origin xyz='0 0 1'/><geometry><box size='.1 .2 .3'/></geometry></collision>"),
+      "r.urdf");
+  EXPECT_NEAR(*bodyNamed(model, "arm").mass, 6, 1e-9);
+  EXPECT_EQ(model.report.count(Effect::Approximate), 0u);
+}
+
+TEST(Urdf, ALinkThatMovesWithoutAnyMassGetsOne) {
+  const Import model = importText(movingLink(""), "r.urdf");
+  EXPECT_GT(*bodyNamed(model, "arm").mass, 0);
+  EXPECT_EQ(model.report.count(Effect::Approximate), 1u);
+}
+
+/// Random tensors, half of which no solid has: those stay as they are that one has.
+TEST(Urdf, AnInertiaThatNoSolidHasBecomesOneThatASolidHas) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> number(-0.3, 1);
+  int kept = 0, changed = 0;
+  for (int round = 0; round < 200; ++round) {
+    const std::array<double, 6> t{number(random),       number(random),       number(random),
+                                  number(random) * 0.2, number(random) * 0.2, number(random) * 0.2};
+    std::string inertia;
+    const char* keys[] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+    for (std::size_t k = 0; k < 6; ++k) inertia += std::string(keys[k]) + "='" + std::to_string(t[k]) + "' ";
+    const Import model = importText(
+        movingLink("<inertial><mass value='2'/><inertia " + inertia + "/></inertial>"), "r.urdf");
+    const MassProperties mass = massProperties(bodyNamed(model, "arm").shape, 1);
+    const Vec3& i = mass.inertia;
+    EXPECT_GT(std::min({i.x, i.y, i.z}), 0);
+    EXPECT_LE(2 * std::max({i.x, i.y, i.z}), (i.x + i.y + i.z) * (1 + 1e-8));
+    const bool exact = model.report.count(Effect::Approximate) == 0;
+    (exact ? kept : changed) += 1;
+    if (exact) {
+      EXPECT_NEAR(i.x + i.y + i.z, t[0] + t[1] + t[2], 1e-5);
+    }
+  }
+  EXPECT_GT(kept, 20);
+  EXPECT_GT(changed, 20);
 }
 
 #if defined(RUBBLE_HAS_ASSIMP)
@@ -153,15 +219,26 @@ TEST(Urdf, SrdfExcludesPairsFromCollision) {
   EXPECT_EQ(convert::importModel(urdf, options).file.scene.exclusions.size(), 1u);
 }
 
-TEST(Urdf, LinksFormOneTree) {
+TEST(Urdf, LinksFormTrees) {
   const std::string loop =
       "<robot name='r'><link name='root'/><link name='a'/><link name='b'/>"
       "<joint name='x' type='fixed'><parent link='a'/><child link='b'/></joint>"
       "<joint name='y' type='fixed'><parent link='b'/><child link='a'/></joint></robot>";
   EXPECT_NE(messageOf([&] { importText(loop, "r.urdf"); }).find("loop"), std::string::npos);
-  EXPECT_NE(
-      messageOf([] { importText("<robot name='r'><link name='a'/><link name='b'/></robot>", "r.urdf"); }),
-      "");
+  const Import two = importText("<robot name='r'><link name='a'/><link name='b'/></robot>", "r.urdf");
+  EXPECT_EQ(two.report.count(Effect::Approximate), 1u);
+}
+
+TEST(Urdf, LimitsThatAreAbsentOrSwappedAreReported) {
+  const Import without = importText(twoLinks("type='revolute'>" + kEnds), "r.urdf");
+  EXPECT_EQ(jointNamed(without, "j").axes[0].max, kFree);
+  EXPECT_EQ(without.report.count(Effect::Approximate), 1u);
+  const Import swapped = importText(twoLinks("type='revolute'>" + kEnds + "<limit lower='1' upper='-2'/>"),
+                                    "r.urdf");
+  EXPECT_EQ(jointNamed(swapped, "j").axes[0].min, -2);
+  EXPECT_EQ(swapped.report.count(Effect::Approximate), 1u);
+  EXPECT_EQ(jointNamed(importText(twoLinks("type='spherical'>" + kEnds), "r.urdf"), "j").type,
+            JointType::Ball);
 }
 
 }  // namespace

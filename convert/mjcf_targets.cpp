@@ -1,0 +1,93 @@
+/// What actuators of sites, ball joints and free joints act on: motions of a link along and about the axes of
+/// their gear, as a tendon of their own.
+#include <cmath>
+
+#include "convert/mjcf_reader.h"
+
+namespace rubble::convert {
+namespace {
+
+using Motion = Tendon::Motion;
+
+/// Adds a motion along or about `gear` in axes of `motion.axisLink`.
+void add(Tendon& tendon, Motion motion, const Quat& axes, const Vec3& gear) {
+  const double size = length(gear);
+  if (!(size > 0)) return;
+  motion.axis = rotate(axes, gear / size), motion.coefficient = size;
+  tendon.motions.push_back(motion);
+}
+
+/// Rotation vector [rad].
+Vec3 turned(const Quat& q) {
+  const double sine = length(q.v), sign = q.s < 0 ? -1 : 1;
+  return sine > 0 ? 2 * sign * std::atan2(sine, sign * q.s) / sine * q.v : Vec3{};
+}
+
+}  // namespace
+
+MjcfTarget MjcfReader::targetOf(Tendon tendon, const Tag& tag, const std::string& what) {
+  tendon.name = tag.name();
+  tendon.place = tag.place();
+  model_.tendons.push_back(std::move(tendon));
+  MjcfTarget out;
+  out.coordinate = &model_.tendons.back();
+  out.what = what;
+  return out;
+}
+
+MjcfTarget MjcfReader::targetOfSite(const Tag& tag) {
+  const MjcfSite& site = siteOf(tag, "site");
+  const Vec3 along{gearOf(tag, 0)}, about{gearOf(tag, 3)};
+  Motion travel;
+  travel.link = travel.axisLink = site.link, travel.anchor = site.pose.p;
+  Quat axes = site.pose.q;
+  if (tag.has("refsite")) {
+    const MjcfSite& reference = siteOf(tag, "refsite");
+    travel.frame = travel.axisLink = reference.link, travel.origin = reference.pose.p;
+    axes = reference.pose.q;
+  } else {
+    travel.start = 0;
+  }
+  Motion turn = travel;
+  turn.turns = true;
+  Tendon tendon;
+  add(tendon, travel, axes, along);
+  add(tendon, turn, axes, about);
+  MjcfTarget out = targetOf(std::move(tendon), tag, "site" + inQuotes(tag.need("site")));
+  out.hasLength = tag.has("refsite");
+  report_.note(Effect::Approximate, tag.place(), tag.type() + ".site",
+               out.hasLength ? "turns are those about the axis at the beginning"
+                             : "the force keeps the direction in the world that it has at the beginning");
+  return out;
+}
+
+MjcfTarget MjcfReader::targetOfTurns(const Tag& tag, int at, bool inParent) {
+  const Link& own = link(at);
+  const Vec3 first = gearOf(tag, 0), second = gearOf(tag, 3);
+  Motion turn;
+  turn.link = at, turn.frame = own.parent, turn.turns = true;
+  turn.axisLink = inParent ? own.parent : at;
+  turn.start = 0;
+  Tendon tendon;
+  if (own.free) {
+    Motion travel = turn;
+    travel.turns = false, travel.axisLink = -1;
+    add(tendon, travel, {}, first);
+    add(tendon, turn, {}, second);
+  } else {
+    // the length of a ball joint is the part of its rotation vector along the gear
+    const Quat& start = own.dofs.front().startTurn;
+    const double size = length(first);
+    if (size > 0) turn.start = dot(turned(start), inParent ? rotateInverse(start, first) : first) / size;
+    // the parent of the joint has the axes of the link in the pose of the file
+    add(tendon, turn, inParent ? own.pose.q : Quat{}, first);
+  }
+  MjcfTarget out = targetOf(std::move(tendon), tag, "link" + inQuotes(own.name));
+  out.hasLength = !own.free;
+  if (!inParent)
+    report_.note(Effect::Approximate, tag.place(), tag.type() + ".joint",
+                 "a torque keeps the direction that it has at the beginning");
+  return out;
+}
+
+}  // namespace rubble::convert
