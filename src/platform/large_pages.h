@@ -6,8 +6,8 @@
 namespace rubble::platform {
 
 /// Asks the system for large pages (2 MiB on many processors) in a block of 4 MiB and more, before it is used
-/// for the first time: the first use of a page costs about as much whatever its size, and random accesses miss
-/// the address cache less often. Has no effect where the system has none.
+/// for the first time: the first use of a page costs about as much whatever its size, and random accesses
+/// miss the address cache less often. Has no effect where the system has none.
 void preferLargePages(void* begin, std::size_t bytes) noexcept;
 
 /// Allocator of lists that may be large.
