@@ -26,7 +26,7 @@ template <class F> std::string failureOf(F&& f) {
 /// Three ranks with a row of cubes.
 class RankFaults : public ::testing::Test {
  protected:
-  RankFaults() : team_({.count = 3, .timeout = 30}, 3, false) {
+  RankFaults() : team_({.count = 3, .timeout = 30}, CpuOptions{.threads = 3, .timings = false}) {
     EngineSettings settings;
     settings.gravity = {0, 0, -10};
     team_.configure(settings);

@@ -2,6 +2,7 @@
 /// Kernels in which all elements increment the same few counters. Each task counts its range privately and
 /// then adds the sums to the shared counters, which avoids contention.
 #include "stages/bodies/coloring.h"
+#include "stages/contacts/contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -70,6 +71,20 @@ template <> struct InParts<FillVertexColors> {
     listColors(begin, end, sweptVertexColor(s), s.vertexColorOffset, s.vertexColorCount, s.colorVertex);
   }
 };
+
+/// Nearly every pair of a pile counts its contacts.
+template <class Kernel> struct ManifoldsInParts {
+  static void run(const SolverData& s, const Kernel&, int begin, int end) {
+    ManifoldCount sum;
+    for (int i = begin; i < end; ++i) {
+      const ManifoldCount own = Kernel::take(s, i);
+      sum.contacts += own.contacts, sum.recycled += own.recycled;
+    }
+    addToCounters(s, sum);
+  }
+};
+template <class L> struct InParts<RecycleManifolds<L>> : ManifoldsInParts<RecycleManifolds<L>> {};
+template <> struct InParts<TestPairs> : ManifoldsInParts<TestPairs> {};
 
 /// Nodes with consecutive indices often have the same root.
 template <> struct InParts<FlattenAggregates> {

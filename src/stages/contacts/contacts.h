@@ -22,9 +22,19 @@ RUBBLE_HD inline const Manifold* manifoldBefore(const SolverData& s, int i) {
   return old < 0 ? nullptr : &s.oldManifold[old];
 }
 
-/// Stores manifold i and marks its active points. A manifold without active points loses its memory.
-RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair& o, const PairPose& pair,
-                                   Manifold m) {
+/// What manifolds add to the counters of a step.
+struct ManifoldCount {
+  int contacts = 0, recycled = 0;
+};
+RUBBLE_HD inline void addToCounters(const SolverData& s, const ManifoldCount& count) {
+  if (count.contacts > 0) atomicCount(&s.counters->contacts, count.contacts);
+  if (count.recycled > 0) atomicCount(&s.counters->recycled, count.recycled);
+}
+
+/// Stores manifold i and marks its active points. Returns what it adds to the counters. A manifold without
+/// active points loses its memory.
+RUBBLE_HD inline ManifoldCount keepManifold(const SolverData& s, int i, const OrderedPair& o,
+                                            const PairPose& pair, Manifold m) {
   // points that carry load do not need the targets of the bodies
   unsigned active = 0;
   for (int k = 0; k < m.count; ++k) active |= (m.lambdaN[k] != Real(0) ? 1u : 0u) << k;
@@ -41,9 +51,8 @@ RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair
   const bool rows = m.activePoints != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
   s.manifold[i] = m;
   s.hasRows[i] = rows;
-  if (!rows) return;
-  atomicCount(&s.counters->contacts, countPoints(m.activePoints));
-  if (m.recycled) atomicCount(&s.counters->recycled, 1);
+  if (!rows) return {};
+  return {countPoints(m.activePoints), m.recycled ? 1 : 0};
 }
 
 /// Against a mesh, height field or distance field the contact points are gathered anew in every step.
@@ -64,17 +73,18 @@ RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, cons
 /// other pairs are appended to `tested`.
 template <class L> struct RecycleManifolds {
   static constexpr const char* kStage = "narrow";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { addToCounters(s, take(s, i)); }
+  RUBBLE_HD static ManifoldCount take(const SolverData& s, int i) {
     const int pair = s.activePair[i];
     const Pair p = s.pair[pair];
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
     const Manifold* const old = manifoldBefore(s, i);
-    if (keepAsleep(s, i, p, old)) return;
+    if (keepAsleep(s, i, p, old)) return {};
     if (old && mayRecycle(s, o) && recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance))
-      keepManifold(s, i, o, pose, recycledManifold<L>(*old, pose));
-    else
-      s.tested[atomicCount(&s.counters->tested, 1)] = i;
+      return keepManifold(s, i, o, pose, recycledManifold<L>(*old, pose));
+    s.tested[atomicCount(&s.counters->tested, 1)] = i;
+    return {};
   }
 };
 
@@ -82,14 +92,15 @@ template <class L> struct RecycleManifolds {
 /// the previous ones. TestGeneralPairs processes the other pairs.
 struct TestPairs {
   static constexpr const char* kStage = "narrow";
-  RUBBLE_HD void operator()(const SolverData& s, int t) const {
+  RUBBLE_HD void operator()(const SolverData& s, int t) const { addToCounters(s, take(s, t)); }
+  RUBBLE_HD static ManifoldCount take(const SolverData& s, int t) {
     const int i = s.tested[t], pair = s.activePair[i];
     const OrderedPair o = ordered(s.pair[pair]);
-    if (s.generalShapes && !isPrimitivePair(s, o.a, o.b)) return;
+    if (s.generalShapes && !isPrimitivePair(s, o.a, o.b)) return {};
     const PairPose pose = pairPose(s, o);
     const RawManifold raw = collide(s.params[o.a].shape, s.params[o.b].shape, pose);
     s.pairTest[pair] = pairTest(raw, pose);
-    keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i)));
+    return keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i)));
   }
 };
 

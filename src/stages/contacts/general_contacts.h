@@ -87,7 +87,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
         }
       }
     }
-    keepManifold(s, i + slot, o, pose, m);
+    addToCounters(s, keepManifold(s, i + slot, o, pose, m));
   }
 }
 
@@ -111,7 +111,7 @@ struct TestGeneralPairs {
     RawManifold raw = collideParts(tables, a, b, pose.t, pose.margin, pose.length, downOf(s, o.a));
     if (!touchesNow(raw, pose)) raw.count = 0;
     s.pairTest[pair] = pairTest(raw, pose);
-    keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i)));
+    addToCounters(s, keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i))));
   }
 };
 
