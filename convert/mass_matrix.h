@@ -25,7 +25,7 @@ class MassMatrix {
   /// 1 / (J M^-1 J^T), the mass that a force along J accelerates; 0 where there is no response.
   double effective(const Moments& moments) const;
 
-  static constexpr std::size_t kMost = 600;
+  static constexpr std::size_t kMost = 1000;
 
  private:
   /// A motion: angular velocity, and the velocity of the origin of the world.

@@ -38,6 +38,10 @@ void MjcfReader::finishSpringDampers() {
   for (const auto& [at, given] : springDampers_) {
     Dof& own = dof(at);
     const double inertia = massSeen({{at, 1}});
+    if (!(inertia > 0))
+      report_.note(Effect::Lost, own.place, "joint.springdamper",
+                   "of a tree of more than " + std::to_string(MassMatrix::kMost) +
+                       " degrees of freedom, or one without mass");
     if (compiler_.springs) {
       const double rest = own.drive.stiffnessTarget;
       own.drive.stiffness = inertia / (given[0] * given[0] * given[1] * given[1]);

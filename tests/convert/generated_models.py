@@ -1,5 +1,5 @@
-"""Random models in MJCF, for the comparison with MuJoCo: trees of bodies with every kind of joint, geom,
-orientation, default class, actuator, tendon and constraint. Seeds give the same model everywhere."""
+"""Random models in MJCF and URDF, for the comparison with MuJoCo: trees of bodies with every kind of joint,
+geom, orientation, default class, actuator, tendon and constraint. Seeds give the same model everywhere."""
 import random
 
 BRICK = ("-0.04 -0.04 -0.1  0.04 -0.04 -0.1  -0.04 0.05 -0.1  0.04 0.04 -0.1  "
@@ -180,6 +180,35 @@ class Generator:
         return f"<mujoco>{head}<worldbody>{ground}{world}</worldbody>{self.relations()}</mujoco>"
 
 
+    def urdf_link(self, name):
+        shape = self.one(f'<box size="{self.vector(0.05, 0.3)}"/>',
+                         f'<sphere radius="{self.number(0.02, 0.1)}"/>',
+                         f'<cylinder radius="{self.number(0.02, 0.1)}" length="{self.number(0.05, 0.3)}"/>')
+        origin = f'<origin xyz="{self.vector(-0.1, 0.1)}" rpy="{self.vector(-2, 2)}"/>'
+        collision = f"<collision>{origin}<geometry>{shape}</geometry></collision>" * self.one(1, 2)
+        tensor = 'ixx="0.02" iyy="0.025" izz="0.03" ixy="0.001" ixz="-0.002" iyz="0.0005"'
+        inertial = f'<inertial>{origin}<mass value="{self.number(0.5, 3)}"/><inertia {tensor}/></inertial>'
+        return f'<link name="{name}">{self.one("", inertial)}{collision}</link>'
+
+    def urdf(self):
+        count = self.random.randrange(3, 10)
+        names = ["base"] + [f"link{i}" for i in range(1, count)]
+        text = "".join(self.urdf_link(name) for name in names)
+        for i, name in enumerate(names[1:], 1):
+            kind = self.one("revolute", "revolute", "continuous", "prismatic", "fixed")
+            ends = f'<parent link="{names[self.random.randrange(i)]}"/><child link="{name}"/>'
+            place = f'<origin xyz="{self.vector(-0.3, 0.3)}" rpy="{self.vector(-1, 1)}"/>'
+            axis = f'<axis xyz="{self.vector(0.1, 1)}"/><limit lower="-1" upper="1.5"/>'
+            dynamics = f'<dynamics damping="{self.number(0, 1)}" friction="{self.number(0, 1)}"/>'
+            text += f'<joint name="joint{i}" type="{kind}">{ends}{place}{axis}{dynamics}</joint>'
+        return f'<robot name="generated">{text}</robot>'
+
+
 def model(seed):
-    """The text of a model."""
+    """The text of a model in MJCF."""
     return Generator(seed).model()
+
+
+def robot(seed):
+    """The text of a model in URDF."""
+    return Generator(seed).urdf()

@@ -353,9 +353,10 @@ def main():
             if not file.stem.endswith("_part"):
                 compare(rubble, file, folder)
         for seed in range(0 if files else 30):
-            file = folder / f"generated_{seed}.xml"
-            file.write_text(generated_models.model(seed))
-            compare(rubble, file, folder)
+            for ending, make in (("xml", generated_models.model), ("urdf", generated_models.robot)):
+                file = folder / f"generated_{seed}.{ending}"
+                file.write_text(make(seed))
+                compare(rubble, file, folder)
         if not files:
             compare_motion(rubble, "pendulum", ["bob"], 1.0, folder)
             compare_motion(rubble, "double_pendulum", ["upper", "lower"], 0.9, folder)
