@@ -399,7 +399,7 @@ template <class L> struct FinishContacts {
   /// Stores what the dual update has left.
   RUBBLE_HD static void store(const SolverData& s, int i) {
     if constexpr (sizeof(L) > sizeof(Real)) {
-      storePoints(s, i);
+      storePoints<L>(s, i);
     } else {
       const ContactRows& r = s.contact[i];
       Manifold& m = s.manifold[r.manifold];

@@ -113,9 +113,11 @@ RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows&
   return point;
 }
 
+/// Stores the state of all points of rows i, all at once.
+template <class L> void storePoints(const SolverData& s, int i);
+
 #if !defined(__CUDACC__)
-/// Stores the state of all points of rows i.
-inline void storePoints(const SolverData& s, int i) {
+template <> inline void storePoints<Real4>(const SolverData& s, int i) {
   using L = Real4;
   using A = LaneAccess<L>;
   const ContactRows& r = s.contact[i];
