@@ -101,8 +101,21 @@ template <class T, class Change> RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& 
     return change(own);
   });
 }
+/// The same for an object that no thread writes while the kernel runs, also with members that are not used: a
+/// compiler splits a load of which it needs a part. Objects of 16 n bytes in a table are aligned to 16.
+template <class T> RUBBLE_HD RUBBLE_NEAR T loadUnchanging(const T& from) {
+  static_assert(sizeof(T) % sizeof(int4) == 0);
+  Quads<T> quads;
+  RUBBLE_UNROLL
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(int4); ++k)
+    quads[k] = __ldca(reinterpret_cast<const int4*>(&from) + k);
+  T to;
+  memcpy(static_cast<void*>(&to), quads, sizeof to);
+  return to;
+}
 #else
 template <class T> RUBBLE_HD RUBBLE_NEAR const T& loadVectorized(const T& from) { return from; }
+template <class T> RUBBLE_HD RUBBLE_NEAR const T& loadUnchanging(const T& from) { return from; }
 template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) { fill(to); }
 template <class T, class Change> RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) {
   change(object);

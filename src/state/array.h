@@ -4,14 +4,11 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <limits>
 #include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
-
-#include "math/hd.h"
 
 #if defined(RUBBLE_CHECKED)
 #define RUBBLE_ASSERT(condition) \
@@ -65,22 +62,6 @@ template <class T> Array<T> arrayOf(T* data, std::size_t length) {
 template <class T> using Array = T*;
 template <class T> T* arrayOf(T* data, std::size_t) { return data; }
 #endif
-
-/// An element whose size is a multiple of 16 bytes, on a GPU by loads of 16 bytes.
-template <class T> RUBBLE_HD T wholeOf(const Array<T>& array, int i) {
-#if defined(__CUDA_ARCH__)
-  static_assert(sizeof(T) % sizeof(float4) == 0);
-  float4 quads[sizeof(T) / sizeof(float4)];
-  const float4* const from = reinterpret_cast<const float4*>(array + i);
-#pragma unroll
-  for (int k = 0; k < static_cast<int>(sizeof(T) / sizeof(float4)); ++k) quads[k] = __ldca(from + k);
-  T out;
-  memcpy(static_cast<void*>(&out), quads, sizeof out);
-  return out;
-#else
-  return array[i];
-#endif
-}
 
 /// The first elements of an array.
 template <class T> std::span<T> firstOf(const Array<T>& array, int count) {

@@ -61,7 +61,7 @@ TEST(Stiffness, FollowsTheLoadFromItsFloor) {
   rule.perLoad = 2000;
   EXPECT_NEAR(grownStiffness<Real>(rule, 1, 9, -1000), 2e6, 1e-6);
   EXPECT_NEAR(grownStiffness<Real>(rule, 1, 9, .001), rule.start, 0);
-  EXPECT_NEAR(warmStiffness(c, rule, 7, 1000), 2e6, 1e-6);
+  EXPECT_NEAR(warmStiffness<Real>(c, rule, 7, 1000), 2e6, 1e-6);
 }
 
 TEST(WarmStart, OfANewRowIsZeroForceAtTheFloor) {
@@ -72,17 +72,17 @@ TEST(WarmStart, OfANewRowIsZeroForceAtTheFloor) {
 
 TEST(WarmStart, DecaysTheMultiplierByAlphaGammaOrByGamma) {
   const StepConstants c = testConstants();
-  EXPECT_NEAR(warmMultiplier(c, 10, true), 10 * .95 * .99, 1e-12);
-  EXPECT_NEAR(warmMultiplier(c, -10, false), -9.9, 1e-12);
+  EXPECT_NEAR(warmMultiplier<Real>(c, 10, true), 10 * .95 * .99, 1e-12);
+  EXPECT_NEAR(warmMultiplier<Real>(c, -10, false), -9.9, 1e-12);
 }
 
 TEST(WarmStart, DecaysTheStiffnessDownToItsFloor) {
   const StepConstants c = testConstants();
   const StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 1),
                                            1);
-  EXPECT_NEAR(warmStiffness(c, rule, 5 * rule.start, 0), .99 * 5 * rule.start, 1e-9);
-  EXPECT_EQ(warmStiffness(c, rule, rule.start, 0), rule.start);
-  EXPECT_EQ(warmStiffness(c, rule, 1e30, 0), rule.limit);
+  EXPECT_NEAR(warmStiffness<Real>(c, rule, 5 * rule.start, 0), .99 * 5 * rule.start, 1e-9);
+  EXPECT_EQ(warmStiffness<Real>(c, rule, rule.start, 0), rule.start);
+  EXPECT_EQ(warmStiffness<Real>(c, rule, 1e30, 0), rule.limit);
 }
 
 TEST(WarmStart, RescalesTheStiffnessWhenTheTimeStepChanges) {
@@ -93,7 +93,7 @@ TEST(WarmStart, RescalesTheStiffnessWhenTheTimeStepChanges) {
   EXPECT_EQ(stepConstants(params, {0, 0, 0}, 0).stiffnessRescale, 1);
   const StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 1),
                                            1);
-  EXPECT_NEAR(warmStiffness(c, rule, 2 * rule.start, 0), c.gamma * 8 * rule.start, 1e-6);
+  EXPECT_NEAR(warmStiffness<Real>(c, rule, 2 * rule.start, 0), c.gamma * 8 * rule.start, 1e-6);
 }
 
 TEST(Regularisation, LeavesAlphaOfAnInheritedErrorAlone) {

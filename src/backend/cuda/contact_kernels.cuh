@@ -12,7 +12,8 @@ struct DualOfPoint {
   __device__ void operator()(const SolverData& s, int i, const PointTile& tile) const {
     ContactRows& r = s.contact[i];
     ContactRows own = rowsOfPoint(r, tile);
-    updateContactDuals<Real>(s.stepOf(own.a), own, wholeOf(s.dx, own.a), wholeOf(s.dx, own.b), 0);
+    updateContactDuals<Real>(s.stepOf(own.a), own, loadUnchanging(s.dx[own.a]), loadUnchanging(s.dx[own.b]),
+                             0);
     r.load[tile.lane] = own.load[0], r.slip[tile.lane] = own.slip[0];
   }
 };
@@ -31,7 +32,7 @@ struct FinishPoint {
     const bool on = k < m.count, impact = on && (m.impact >> k & 1);
     PointBefore before;
     if (on) before = pointBefore(m, k, impact), noteBefore(s, i, m, k);
-    const Displacement a = wholeOf(s.dx, own.a), b = wholeOf(s.dx, own.b);
+    const Displacement a = loadUnchanging(s.dx[own.a]), b = loadUnchanging(s.dx[own.b]);
     updateContactDuals<Real>(s.stepOf(own.a), own, a, b, 0);
     r.load[k] = own.load[0], r.slip[k] = own.slip[0];
     StoredPoint point{};
@@ -62,7 +63,7 @@ struct RecycleManifoldByLanes {
     // asked for before it is known whether it is needed
     Manifold own;
     if (old) own = manifoldOfPoint(*old, tile);
-    const Pair p = wholeOf(s.pair, pair);
+    const Pair p = loadUnchanging(s.pair[pair]);
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
     if (old && s.plan.sleeping && !moves(s, p.owner) && !moves(s, p.other)) {
@@ -70,7 +71,7 @@ struct RecycleManifoldByLanes {
       return;
     }
     if (!old || !mayRecycle(s, o) ||
-        !recyclable(wholeOf(s.pairTest, pair), own.count, pose, s.step->recycleTolerance)) {
+        !recyclable(loadUnchanging(s.pairTest[pair]), own.count, pose, s.step->recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }

@@ -141,7 +141,7 @@ RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& agg
   if (body >= s.bodies) return;
   const BodyTarget& target = s.target[body];
   Block6 own;
-  setInertialForce(own, target.mass, {wholeOf(s.dx, body).dp, wholeOf(s.dq, body)}, target.y,
+  setInertialForce(own, target.mass, {s.dx[body].dp, s.dq[body]}, target.y,
                    s.step->inverseDt * s.step->inverseDt);
   sum.fl += own.fl;
   sum.fa += own.fa + cross(shiftOf(s, aggregate, body), own.fl);
@@ -151,7 +151,7 @@ RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& agg
 template <class L>
 RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregate, const ContactRows& r,
                                   int side, int lane, Block6T<L>& points) {
-  accumulateContact<L>(s.plan.coneHessian, r, side == 0, wholeOf(s.dx, r.a), wholeOf(s.dx, r.b), lane, points,
+  accumulateContact<L>(s.plan.coneHessian, r, side == 0, s.dx[r.a], s.dx[r.b], lane, points,
                        shiftOf(s, aggregate, side == 0 ? r.a : r.b));
 }
 
@@ -316,7 +316,7 @@ struct SolveAggregate {
 RUBBLE_HD inline void moveWithAggregate(const SolverData& s, const Aggregate& aggregate, int body) {
   if (body >= s.bodies) return;
   const Vec3 move = aggregate.step.lin + cross(aggregate.step.ang, shiftOf(s, aggregate, body));
-  const Pose x = retract({wholeOf(s.dx, body).dp, wholeOf(s.dq, body)}, {move, aggregate.step.ang});
+  const Pose x = retract({s.dx[body].dp, s.dq[body]}, {move, aggregate.step.ang});
   s.dq[body] = x.q;
   s.dx[body] = {x.p, 0, logRotation(x.q), 0};
 }

@@ -113,8 +113,8 @@ struct PairPlace {
 };
 RUBBLE_HD inline PairPlace pairPlace(const SolverData& s, int manifold) {
   const OrderedPair o = ordered(s.pair[s.activePair[manifold]]);
-  return {o, wholeOf(s.orientation, o.a), wholeOf(s.orientation, o.b), centerDistance(s, o.a, o.b),
-          pairLength(s.params[o.a], s.params[o.b])};
+  return {o, loadUnchanging(s.orientation[o.a]), loadUnchanging(s.orientation[o.b]),
+          centerDistance(s, o.a, o.b), pairLength(s.params[o.a], s.params[o.b])};
 }
 
 /// Contact points at x^t.

@@ -11,7 +11,7 @@ RUBBLE_HD inline PairPose pairPose(const SolverData& s, const OrderedPair& o) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   const Real size = pairLength(pa, pb);
   const PairSpeed speed = pairSpeed(s, o.a, o.b, pa, pb);
-  return {wholeOf(s.orientation, o.a),          wholeOf(s.orientation, o.b),
+  return {loadUnchanging(s.orientation[o.a]),   loadUnchanging(s.orientation[o.b]),
           centerDistance(s, o.a, o.b),          size,
           pairMargin(s, o.a, o.b, size, speed), speed.bullet};
 }
@@ -79,7 +79,7 @@ RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth, Rea
 
 /// Displacement of a body at its inertial target.
 RUBBLE_HD inline Displacement targetDisplacement(const SolverData& s, int body) {
-  if (!isDynamic(s, body)) return wholeOf(s.dx, body);
+  if (!isDynamic(s, body)) return loadUnchanging(s.dx[body]);
   const Pose& y = s.target[body].y;
   return {y.p, 0, logRotation(y.q), 0};
 }
