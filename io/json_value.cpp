@@ -1,7 +1,6 @@
 #include "io/json_value.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include <nlohmann/json.hpp>
 
@@ -148,7 +147,7 @@ class JsonBuilder final : public Json::json_sax_t {
       next_ = out_.texts_.emplace_back(new char[left_]).get();
     }
     char* const own = next_;
-    std::memcpy(own, text.data(), text.size());
+    std::ranges::copy(text, own);
     next_ += text.size(), left_ -= text.size();
     return own;
   }
