@@ -2,7 +2,8 @@
 
 Usage: variant_symbols_test.py OBJECT NM OBJDUMP ENTRY
 
-A weak function or vtable of it could be linked for everybody, and stop a processor that lacks the instructions.
+A weak function or vtable of it could be linked for everybody, and stop a processor that lacks the
+instructions.
 A variable of its own would be one that other objects do not see.
 """
 
@@ -56,7 +57,8 @@ class VariantSymbols(unittest.TestCase):
         self.assertTrue(any("currentOf" in s["name"] for s in self.shared))
 
     def test_no_group_is_merged_by_its_name(self) -> None:
-        self.assertFalse([line for line in lines(OBJDUMP, "-h", OBJECT) if "LINK_ONCE" in line or "GROUP" in line])
+        sections = lines(OBJDUMP, "-h", OBJECT)
+        self.assertFalse([line for line in sections if "LINK_ONCE" in line or "GROUP" in line])
 
 
 if __name__ == "__main__":

@@ -33,7 +33,8 @@ class Import(unittest.TestCase):
         self.assertEqual((note["effect"], note["file"]), ("lost", "adhesion.xml"))
 
     def test_strict_refuses_what_is_not_exact(self):
-        self.assertEqual(rubble("import", MODELS / "adhesion.xml", "--key", "holds", "--strict").returncode, 2)
+        held = rubble("import", MODELS / "adhesion.xml", "--key", "holds", "--strict")
+        self.assertEqual(held.returncode, 2)
         self.assertEqual(rubble("import", MODELS / "pendulum.xml", "--strict").returncode, 0)
 
     def test_models_run_as_scenes_do(self):
