@@ -36,12 +36,14 @@ class KeptBuffer {
   std::size_t bytes_ = 0;
 };
 
-/// Appends the elements of [0, n) that pass a test to a list, block by block: ascending within a block.
+/// Appends the elements of [0, n) that pass a test to a list, block by block: ascending within a block. One
+/// kernel in place of the three of a library's selection (docs/research/tuning-log.md).
 template <class Test>
 __global__ void __launch_bounds__(kThreads)
     listElements(const __grid_constant__ SolverData s, const Test test, Count n, int* list, int* listed,
                  Gate gate) {
-  constexpr int kEach = 8, kWarps = kThreads / kWarp;
+  constexpr int kWarps = kThreads / kWarp;
+  constexpr int kEach = 8;  // elements of a thread for each addition to the length
   __shared__ int sums[kWarps], begin;
   gate.enter([&] {
     const int count = n.get(), warp = static_cast<int>(threadIdx.x) / kWarp;
