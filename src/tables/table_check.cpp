@@ -12,8 +12,10 @@ class Checker {
  public:
   explicit Checker(const HostTables& tables) : s_(tables.view()), c_(*s_.counters), tables_(tables) {}
 
-  std::string firstViolation() {
-    capacities(), bodies(), pairs(), manifolds(), incidences(), trees(), vertices();
+  std::string firstViolation(bool whole) {
+    capacities(), bodies(), pairs();
+    if (whole) manifolds();
+    incidences(), trees(), vertices();
     return found_;
   }
 
@@ -116,6 +118,8 @@ class Checker {
 
 }  // namespace
 
-std::string firstViolation(const HostTables& tables) { return Checker(tables).firstViolation(); }
+std::string firstViolation(const HostTables& tables, bool whole) {
+  return Checker(tables).firstViolation(whole);
+}
 
 }  // namespace rubble::RUBBLE_CORE

@@ -16,7 +16,8 @@ namespace rubble::RUBBLE_CORE {
 /// Prefetches the rows of a contact.
 RUBBLE_NEAR void fetchContact(const SolverData& s, std::uint32_t code) {
   const auto* const rows = reinterpret_cast<const char*>(&s.contact[constraintIndex(code)]);
-  for (std::size_t k = 0; k < sizeof(ContactRows); k += 64) prefetch(rows + k);
+  constexpr std::size_t kLine = 64;  // bytes of a cache line
+  for (std::size_t k = 0; k < sizeof(ContactRows); k += kLine) prefetch(rows + k);
 }
 
 #if RUBBLE_EIGHT_LANES

@@ -112,7 +112,10 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   const HostTables& tablesNow() override { return executor_.tables(); }
   HostTables& tables() { return executor_.tables(); }
   /// As CpuExecutor::divide.
-  void divide(Division* division) { executor_.divide(division); }
+  void divide(Division* division) {
+    executor_.divide(division);
+    divided_ = division != nullptr;
+  }
 
  private:
   void takeStep(StepReport& report);
@@ -126,6 +129,7 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   HostQueries queries_;
   EngineSettings settings_;
   double previousDt_ = 0;
+  bool divided_ = false;
   std::vector<WorldSettings> worlds_;  ///< of a batch
   std::vector<WorldPart> parts_;
   std::optional<HostReader> worldReader_;
