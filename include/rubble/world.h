@@ -74,8 +74,8 @@ struct VertexContact {
 };
 
 struct WorldOptions {
-  /// "cpu", "reference" (double precision), "distributed", "lockstep", or another name that backends()
-  /// returns.
+  /// "cpu", "reference" (double precision), "distributed", "backward" and "lockstep" (they check "cpu"), or
+  /// another name that backends() returns.
   std::string backend = "cpu";
   int threads = 0;    ///< 0: one per core
   RankOptions ranks;  ///< distributed only

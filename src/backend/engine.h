@@ -127,6 +127,8 @@ struct CpuOptions {
   /// Steps with the instructions of AVX2, which the build and the processor have.
   bool avx2 = false;
   TaskSystem tasks = {};  ///< run all loops, if given
+  /// Each loop takes its elements one by one, the last one first: results must not depend on their order.
+  bool backward = false;
 };
 
 namespace f32 {

@@ -26,8 +26,8 @@ std::string joined(const std::vector<std::string>& names) {
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   const std::string best = instructionSets().back(), given = options.instructionSet;
   const CpuOptions cpu{options.threads, options.timings, (given.empty() ? best : given) == "avx2",
-                       options.tasks};
-  if (options.backend == "cpu") return f32::makeCpuEngine(cpu);
+                       options.tasks, options.backend == "backward"};
+  if (options.backend == "cpu" || cpu.backward) return f32::makeCpuEngine(cpu);
 #if defined(RUBBLE_HAS_REFERENCE)
   if (options.backend == "reference") return f64::makeCpuEngine(cpu);
 #endif
@@ -72,9 +72,9 @@ void validate(const WorldOptions& options) {
 
 std::vector<std::string> backends() {
 #if defined(RUBBLE_HAS_REFERENCE)
-  std::vector<std::string> names = {"cpu", "reference", "distributed", "lockstep"};
+  std::vector<std::string> names = {"cpu", "reference", "distributed", "backward", "lockstep"};
 #else
-  std::vector<std::string> names = {"cpu", "distributed", "lockstep"};
+  std::vector<std::string> names = {"cpu", "distributed", "backward", "lockstep"};
 #endif
   if (cudaReady()) names.insert(names.end(), {"cuda", "lockstep-cuda"});
   return names;

@@ -54,7 +54,7 @@ struct Net : CoreWorld {
 
 TEST(Simd4Kernels, HaveTheBitsOfTheScalarCode) {
   Net four, one;
-  one.executor().takeOneByOne();
+  one.executor().takeBackward();
   double before = 0, beforeOne = 0;
   int touching = 0;
   for (int n = 0; n < 60; ++n) {

@@ -41,9 +41,9 @@ class CpuExecutor {
   void observe(KernelObserver observer) { observer_ = std::move(observer); }
   /// Divides steps among ranks; null: this executor runs all of a step.
   void divide(Division* division) { division_ = division; }
-  /// Disables SIMD kernels and privatized counts: from now on each kernel runs index by index. Results must
-  /// not depend on it.
-  void takeOneByOne() { together_ = false; }
+  /// Disables SIMD kernels and privatized counts: from now on each loop takes its elements one by one, the last
+  /// one first. Results must not depend on it.
+  void takeBackward() { backward_ = true; }
 
   /// Runs f() on the threads of this executor.
   template <class F> void run(F&& f) { threads_.run(f); }
@@ -54,7 +54,7 @@ class CpuExecutor {
       if (division_) return runPart(kernel, n, Divided<Kernel>::which(kernel));
     const SolverData& s = view();
     if constexpr (requires { InParts<Kernel>::run(s, kernel, 0, n); })
-      if (together_)
+      if (!backward_)
         return forRange(n, [&](int begin, int end) { InParts<Kernel>::run(s, kernel, begin, end); });
     run(s, kernel, n, [](int i) { return i; });
   }
@@ -249,9 +249,13 @@ class CpuExecutor {
   /// Calls the kernel for at(0), ..., at(n - 1), four at a time if it has a SIMD version.
   template <class Kernel, class At> void run(const SolverData& s, const Kernel& kernel, int n, At&& at) {
     forRange(n, [&](int begin, int end) {
+      if (backward_) {
+        for (int i = end; i-- > begin;) kernel(s, at(i));
+        return;
+      }
       int i = begin;
       if constexpr (requires(const Lane4& four) { Simd4Kernel<Kernel>::run(s, four); })
-        for (; together_ && i + kLanes <= end; i += kLanes) {
+        for (; i + kLanes <= end; i += kLanes) {
           const auto four = [&](auto&& f, int k) {
             if (k + kLanes <= end) f({at(k), at(k + 1), at(k + 2), at(k + 3)});
           };
@@ -280,7 +284,7 @@ class CpuExecutor {
   std::vector<std::unique_ptr<void, Release>> rooms_;
   Threads threads_;
   bool timings_;
-  bool together_ = true;
+  bool backward_ = false;
   Division* division_ = nullptr;
   KernelObserver observer_;
   std::vector<StageTime> times_;
