@@ -101,6 +101,17 @@ std::vector<Call> edits() {
          const std::array ids{body(w, 2), body(w, 0), body(w, 1), body(w, 4)};
          w.removeBodies(ids);
        }},
+      {"setShape",
+       [](World& w) {
+         static const Shape shape = oddBody().shape;
+         w.setShape(body(w, 6), shape);
+       }},
+      {"addShape",
+       [](World& w) {
+         static const Shape shape = oddBody().shape;
+         w.removeShape(w.addShape(shape));
+         w.addShape(shape);
+       }},
       {"setCollide", [](World& w) { w.setCollide(body(w, 1), body(w, 6), false); }},
       {"setCollideAgain", [](World& w) { w.setCollide(body(w, 3), body(w, 4), true); }},
       {"setState",
