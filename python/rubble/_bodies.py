@@ -324,7 +324,8 @@ class Bodies(Collection):
         shape = values.get("shape")
         if isinstance(shape, Shape):
             del values["shape"]
-            check(lib.rb_world_add_body_of(self._world._pointer, shape._id, encode(values), ctypes.byref(out)))
+            check(lib.rb_world_add_body_of(self._world._pointer, shape._id, encode(values),
+                                           ctypes.byref(out)))
         else:
             check(lib.rb_world_add_body(self._world._pointer, encode(values), ctypes.byref(out)))
         return Body(self._world, out)

@@ -9,7 +9,8 @@ from .. import Scene, box
 from ._vector import WorldsEnv
 
 FINGER, OPEN = 0.07, 0.055  #: length of a finger, and its place from the middle of the hand at the start [m]
-ROBOT = {"group": -1, "gravity_scale": 0}  #: parts never collide with one another, and their weight is balanced
+#: Parts never collide with one another, and their weight is balanced.
+ROBOT = {"group": -1, "gravity_scale": 0}
 _SPEED = np.array((0.6, 0.6, 0.4, 0.2))  # of the target along x, y, z and of the fingers [m/s]
 _DRIVE = {"drive_stiffness": 2000, "drive_damping": 40, "max_drive_force": 15}
 

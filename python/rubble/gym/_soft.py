@@ -9,7 +9,8 @@ from .. import Scene, box as box_shape, capsule, plane, tet_box
 from ._hand import FINGER, OPEN, ROBOT, HandEnv, add_grip, add_hand
 from ._vector import box
 
-_SHOULDER, _LENGTH, _WRIST = 0.3, 0.35, 0.05  # height of the shoulder, length of each half, wrist over hand [m]
+_SHOULDER, _LENGTH = 0.3, 0.35  # height of the shoulder, length of each half of the arm [m]
+_WRIST = 0.05  # over the hand [m]
 _PLACE = np.array((0.4, 0, 0.3))  # of the hand at the start [m]
 _BLOCK, _CELLS, _GOAL = np.array((0.06, 0.06, 0.075)), (4, 4, 5), 0.2  # [m]; 6 tetrahedra in each cell; [m]
 _MATERIAL = {"density": 500, "youngs_modulus": 5e4, "poisson_ratio": 0.4, "material": {"friction": 1.0}}
@@ -17,8 +18,8 @@ _DRIVE = {"drive_stiffness": 1500, "drive_damping": 60, "max_drive_force": 80}
 
 
 def _bends(places: np.ndarray) -> np.ndarray:
-    """Angles (n, 4) [rad] with which the hand is at places (n, 3) [m], upright: of the turntable about z, then
-    of upper arm, forearm and hand about y, each against the one before; the arm at 0 is stretched along x."""
+    """Angles (n, 4) [rad] with which the hand is upright at places (n, 3) [m]: of the turntable about z, then
+    of upper arm, forearm and hand about y, each in the one before. At 0 the arm is stretched along x."""
     reach, rise = np.hypot(places[:, 0], places[:, 1]), places[:, 2] + _WRIST - _SHOULDER
     far = np.hypot(reach, rise)
     half = np.arccos(np.clip(far / (2 * _LENGTH), -1, 1))
@@ -54,8 +55,8 @@ class LiftSoft(HandEnv):
 
     Observation, 23 numbers: angles (4) [rad] and speeds (4) [rad/s] of the arm, place [m] and speed [m/s] of
     a finger, and forces of the drives of both fingers [N] over 10. Then the place (3) [m] of the hand in the
-    world, and the center (3) [m], mean velocity (3) [m/s] and width (2) [m] between the ends along x and y of the
-    block, the center relative to the hand. Action (4): see `HandEnv`. Reward: as of `LiftCube`.
+    world. Of the block: its center (3) [m] relative to the hand, its mean velocity (3) [m/s], and its extent
+    (2) [m] along x and y. Action (4): see `HandEnv`. Reward: as of `LiftCube`.
     """
 
     _low = np.array((-0.15, -0.25, -_PLACE[2] + FINGER + 0.02, 0))

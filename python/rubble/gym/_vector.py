@@ -102,7 +102,7 @@ class WorldsEnv(VectorEnv):
         return array.reshape(self.num_envs, self._body_count, array.shape[1])[:, self.bodies[body]]
 
     def vertices(self, name: str, what: str = "positions") -> np.ndarray:
-        """Positions [m] or "velocities" [m/s] of a deformable object in all worlds: (num_envs, vertices, 3)."""
+        """Positions [m] or "velocities" [m/s] of a deformable object: (num_envs, vertices, 3)."""
         return np.stack([getattr(self.worlds[w].deformables[name], what) for w in range(self.num_envs)])
 
     def joints(self, name: str) -> np.ndarray:
