@@ -107,18 +107,13 @@ SensorArray sensorArrayOf(std::int32_t which) {
 }
 
 QueryFilter filterOf(const rb_query_filter& filter) {
-  return {filter.layers, filter.mask, filter.sensors != 0, idOf(filter.ignore)};
+  return {filter.layers,           filter.mask,
+          filter.sensors != 0,     idOf(filter.ignore),
+          filter.deformables != 0, idOf(filter.ignore_object)};
 }
 
 RayQuery queryOf(const rb_ray& ray) {
   return {vec(ray.origin), vec(ray.direction), ray.max_distance, filterOf(ray.filter)};
-}
-
-rb_ray_hit toC(const RayHit& hit) {
-  rb_ray_hit out{};
-  out.hit = hit.hit, out.body = idOf(hit.body), out.distance = hit.distance;
-  store(hit.position, out.position), store(hit.normal, out.normal);
-  return out;
 }
 
 rb_mass toC(const MassProperties& mass) {
@@ -146,7 +141,8 @@ rb_joint_state toC(const JointState& state) {
   out.axis_count = static_cast<std::int32_t>(std::min(state.axes.size(), std::size(out.axes)));
   for (std::int32_t k = 0; k < out.axis_count; ++k) {
     const JointAxisState& axis = state.axes[static_cast<std::size_t>(k)];
-    out.axes[k] = {axis.position, axis.speed, axis.limitForce, axis.driveForce, axis.frictionForce};
+    out.axes[k] = {axis.position,   axis.speed,         axis.limitForce,
+                   axis.driveForce, axis.frictionForce, axis.motorForce};
   }
   return out;
 }
@@ -154,6 +150,7 @@ rb_joint_state toC(const JointState& state) {
 rb_contact_point toC(const ContactPoint& point) {
   rb_contact_point out{};
   out.a = idOf(point.a), out.b = idOf(point.b), out.depth = point.depth;
+  out.part_a = point.partA, out.part_b = point.partB;
   store(point.position, out.position), store(point.normal, out.normal), store(point.force, out.force);
   return out;
 }

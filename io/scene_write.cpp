@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "io/joint_reader.h"
 #include "io/json_text.h"
@@ -73,10 +74,13 @@ class SceneWriter {
 
   const SceneFile& file_;
   std::vector<std::pair<std::string, Material>> materials_;  ///< by their keys in the file
-  std::map<const ShapeGeometry*, std::string> shapeNames_;   ///< of several bodies
-  std::vector<std::pair<std::string, Shape>> shapes_;        ///< the same in the order of their second use
+  /// Geometry, rounding and user data: all of a shape that has geometry.
+  using ShapeKey = std::tuple<const ShapeGeometry*, double, std::uint64_t>;
+  static ShapeKey keyOf(const Shape& shape) { return {shape.geometry.get(), shape.rounding, shape.userData}; }
+  std::map<ShapeKey, std::string> shapeNames_;         ///< of several bodies
+  std::vector<std::pair<std::string, Shape>> shapes_;  ///< the same in the order of their second use
   std::map<std::string, int> nameUses_;
-  std::map<const ShapeGeometry*, int> geometryUses_;
+  std::map<ShapeKey, int> shapeUses_;
 };
 
 void SceneWriter::nameMaterial(const Material& material) {
@@ -96,10 +100,10 @@ Json SceneWriter::materialName(const Material& material) const {
 }
 
 void SceneWriter::nameShape(const BodyDef& body) {
-  const ShapeGeometry* const geometry = body.shape.geometry.get();
-  if (!geometry || ++geometryUses_[geometry] != 2) return;
+  const ShapeKey key = keyOf(body.shape);
+  if (!body.shape.geometry || ++shapeUses_[key] != 2) return;
   shapes_.emplace_back("shape" + std::to_string(shapes_.size() + 1), body.shape);
-  shapeNames_[geometry] = shapes_.back().first;
+  shapeNames_[key] = shapes_.back().first;
 }
 
 Json SceneWriter::body(const BodyDef& body) const {
@@ -109,7 +113,7 @@ Json SceneWriter::body(const BodyDef& body) const {
   if (!body.name.empty()) json["name"] = body.name;
   if (body.motion != Motion::Dynamic && body.shape.type != ShapeType::Plane)
     json["motion"] = kMotions[static_cast<std::size_t>(body.motion)];
-  const auto named = shapeNames_.find(body.shape.geometry.get());
+  const auto named = shapeNames_.find(keyOf(body.shape));
   json["shape"] = named != shapeNames_.end() ? Json(named->second) : shapeJson(body.shape);
   if (const Json material = materialName(body.material); !material.is_null()) json["material"] = material;
   if (body.mass) {

@@ -29,7 +29,8 @@ class CoreWorld {
     body.shape = cooked.shape;
     if (body.shape.data >= 0) {
       body.shape.data += executor_.tables().shapeIndices;
-      addShape(executor_.tables(), cooked, std::vector<int>(cooked.parts.size(), -1));
+      addShape(executor_.tables(), cooked, std::vector<int>(cooked.parts.size(), -1),
+               endOfShapes(executor_.tables()));
     }
     body.radius = cooked.radius;
     body.staticFriction = def.material.staticFriction, body.dynamicFriction = def.material.dynamicFriction;

@@ -29,9 +29,10 @@ class CpuExecutor {
   /// coloring takes a few rounds.
   static constexpr int kMaxRounds = 10000;
 
-  /// `timings`: measure stage times. `tasks`: run all loops, if given.
-  explicit CpuExecutor(int threads, bool timings = true, TaskSystem tasks = {})
-      : threads_(threads, std::move(tasks)), timings_(timings) {}
+  /// `timings`: measure stage times. `tasks`: run all loops, if given. `memory`: of the tables.
+  explicit CpuExecutor(int threads, bool timings = true, TaskSystem tasks = {},
+                       const MemorySystem& memory = {})
+      : tables_(memory), threads_(threads, std::move(tasks)), timings_(timings) {}
 
   HostTables& tables() { return tables_; }
   const HostTables& tables() const { return tables_; }
@@ -171,8 +172,9 @@ class CpuExecutor {
 
   // Scratch memory between steps, used by stages/pairs/order.h.
   template <class T> T* room(int n) {
-    std::unique_ptr<void, Release> memory(HostMemory::allocate(sizeof(T) * static_cast<std::size_t>(n)));
-    rooms_.push_back(std::move(memory));
+    const HostMemory& memory = tables_.memory();
+    std::unique_ptr<void, Release> own(memory.allocate(sizeof(T) * static_cast<std::size_t>(n)), {&memory});
+    rooms_.push_back(std::move(own));
     return static_cast<T*>(rooms_.back().get());
   }
   void order(const std::uint64_t* keys, int* to, int n) {
@@ -277,7 +279,8 @@ class CpuExecutor {
   }
 
   struct Release {
-    void operator()(void* memory) const { HostMemory::release(memory); }
+    const HostMemory* memory;
+    void operator()(void* room) const { memory->release(room); }
   };
 
   HostTables tables_;
