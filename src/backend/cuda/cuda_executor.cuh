@@ -212,7 +212,7 @@ class CudaExecutor : private ScanLauncher {
       if constexpr (kLanes == 1)
         run<Search>(kernel, n);
       else
-        run(ByTile<kLanes>{}, n);
+        run(ByTile<kLanes>{kernel}, n);
     });
   }
   void run(const FindNeighbors& kernel, int n) { search<FindNeighborsByTile>(kernel, n); }

@@ -1,31 +1,53 @@
 #pragma once
-/// CCD for bodies that leave the region of the broad phase. Its boxes are swept by the velocities before the
-/// step, but an impact or a joint may accelerate a body within it. The motion of such a body is swept against
-/// all bodies on its path with which it has no pair.
+/// CCD for bodies that do not move as the broad phase predicted from the velocities before the step: an impact
+/// or a joint accelerates or stops them within it. The motion of such a body is swept against all bodies on
+/// its way with which it has no pair.
 #include "stages/ccd/general_impacts.h"
 #include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Bounding box of the motion of a body.
+/// Bounding box of the motion of a body, according to the stops found so far.
 RUBBLE_HD inline Bounds boundsOfMotion(const SolverData& s, int i) {
   const BodyParams& p = s.params[i];
+  const Real done = static_cast<Real>(motionIn(s, i).until);
   const Displacement& d = s.dx[i];
-  const Real turn = min(length(d.dw), Real(1)) * p.radius;
+  const Real turn = min(done * length(d.dw), Real(1)) * p.radius;
   Bounds b{};
-  b.center = Vec3(s.position[i]) + Real(.5) * d.dp;
-  b.half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(d.dp) + Vec3{turn, turn, turn};
+  b.path = done * d.dp;
+  b.center = Vec3(s.position[i]) + Real(.5) * b.path;
+  b.half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(b.path) + Vec3{turn, turn, turn};
   b.level = -1;
   return b;
 }
 
-/// Does the motion of a body leave its broad-phase box by more than the allowed penetration?
-RUBBLE_HD inline bool leavesBounds(const SolverData& s, int i, const Bounds& motion) {
+/// Does the motion of a body lead to where the broad phase found no pairs? That is out of its box by more
+/// than the allowed penetration, or off its path by more than its radius (pathReach()).
+RUBBLE_HD inline bool leavesPath(const SolverData& s, int i, const Bounds& motion) {
   const BodyParams& p = s.params[i];
   const Bounds& b = s.bounds[i];
-  const Vec3 out = abs(motion.center - b.center) + motion.half - b.half;
+  const Vec3 out = abs(motion.center - b.center) + motion.half - b.half, off = abs(motion.path - b.path);
   const Real slack = max(ownMargin(s, p), kHeldDepth * innerRadiusOf(s.shapeTables(), p.shape));
-  return out.x > slack || out.y > slack || out.z > slack;
+  return max(out.x, max(out.y, out.z)) > slack || max(off.x, max(off.y, off.z)) > p.radius;
+}
+
+/// Do the bounding spheres of two bodies touch on their motions? They move together until the first of them
+/// stops, and then the other one alone.
+RUBBLE_HD inline bool spheresMeet(const SolverData& s, int i, int j, const SweptMotion& a,
+                                  const SweptMotion& b) {
+  const double reach = static_cast<double>(s.params[i].radius + s.params[j].radius);
+  const auto between = [&](double t) {
+    return s.position[j] - s.position[i] + b.move * min(t, b.until) - a.move * min(t, a.until);
+  };
+  const double stop = min(a.until, b.until);
+  const Vec3d corner[3] = {between(0), between(stop), between(1)};
+  for (int k = 0; k < 2; ++k) {
+    const Vec3d& from = corner[k];
+    const Vec3d way = corner[k + 1] - from;
+    const double t = clamp(-dot(from, way) / max(dot(way, way), 1e-30), 0.0, 1.0);
+    if (lengthSquared(from + way * t) <= reach * reach) return true;
+  }
+  return false;
 }
 
 /// Is there a pair of part `part` of a body and a part of another one in this step? Against a surface, any
@@ -85,21 +107,24 @@ RUBBLE_HD inline Vec3d normalOf(const PlacedAny& part, const PlacedAny& other, c
   return isSurface(other.shape.kind) && part.shape.kind != ShapeKind::Distance ? -at.at.n : at.at.n;
 }
 
+/// In the first round bodies that leave their paths search, in later ones those that have been stopped.
 struct FindUnpairedImpacts {
   static constexpr const char* kStage = "ccd";
+  int round;
   RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     if (s.counters->anyFast == 0 || s.fast[i] == 0) return;
     if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
+    if (round > 0 && s.ccdRound[ccdOwner(s, i)] != round) return;
     const Bounds motion = boundsOfMotion(s, i);
-    if (!leavesBounds(s, i, motion)) return;
+    if (round == 0 && !leavesPath(s, i, motion)) return;
     searchPath(
         s, i, motion,
         [&](int other) {
           if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
-          // primitive bodies whose boxes touched have a pair; parts of others may be too far apart for one
-          if (isPrimitivePair(s, i, other) && boundsTouch(s.bounds[i], s.bounds[other])) return;
+          // primitive partners have a pair; parts of others may be too far apart for one
+          if (isPrimitivePair(s, i, other) && arePartners(s, i, other)) return;
           const double fraction = timeOfImpactWithBody(s, i, other);
           if (!(fraction <= 1)) return;
           const int bits = floatBits(static_cast<Real>(1 - fraction));
@@ -117,6 +142,7 @@ struct FindUnpairedImpacts {
     const SweptMotion motion = motionIn(s, i), otherMotion = motionIn(s, other);
     const Real thin = thinner(innerRadiusOf(s.shapeTables(), own), innerRadiusOf(s.shapeTables(), its));
     if (approach(s, {i, other}, motion, otherMotion) <= thin) return kNoImpact;
+    if (its.kind != ShapeKind::Plane && !spheresMeet(s, i, other, motion, otherMotion)) return kNoImpact;
     const double tolerance = static_cast<double>(kImpactGap * pairLength(s.params[i], s.params[other]));
     double first = kNoImpact;
     for (int k = 0; k < ownParts; ++k)

@@ -19,6 +19,10 @@ template <Executor E> void find(E& e) {
   e.forEach(ComputeBounds{}, bodies);
   e.scan(&SolverData::bucketCount, &SolverData::bucketOffset, cells);
   e.forEach(FillGrid{}, bodies);
+  e.require(Per::PathCell, &Counters::pathCells);
+  e.forEach(ClearCellPaths{}, &Counters::pathCells);
+  e.forEach(MeasurePaths{}, bodies);
+  e.forEach(LinkSubcells{}, bodies);
   e.clear(&SolverData::pairCount, bodies);
   e.forEach(FindNeighbors{}, bodies);
   forEachOwner<FindPairs>(e);
