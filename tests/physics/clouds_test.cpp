@@ -37,7 +37,8 @@ Scene cloud(Random& random, int count, double spread) {
 
 /// Smallest distance of two centers in a step in which each body moves along a straight line and then, after
 /// a fraction of the step, stands still.
-double leastDistance(const Vec3& between, const Vec3& moveA, double untilA, const Vec3& moveB, double untilB) {
+double leastDistance(const Vec3& between, const Vec3& moveA, double untilA, const Vec3& moveB,
+                     double untilB) {
   const auto at = [&](double t) {
     return between + moveB * std::min(t, untilB) - moveA * std::min(t, untilA);
   };

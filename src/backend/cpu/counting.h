@@ -13,7 +13,7 @@
 namespace rubble {
 
 /// Most ranges of a loop below, and the least elements of one: shorter loops run serially.
-inline constexpr int kMostRanges = 64, kLeastOfRange = 8192;
+inline constexpr int kMostRanges = 64, kLeastOfRange = 16384;
 
 /// The number of ranges for n elements on so many threads.
 inline int rangesFor(int n, int threads) {
@@ -35,7 +35,7 @@ inline void clearOnThreads(int* array, int n, int threads) {
   });
 }
 
-/// out[i] = in[0] + ... + in[i - 1] for i = 0 .. n. `out` has n + 1 elements, and may be `in`.
+/// out[i] = in[0] + ... + in[i - 1] for i = 0 .. n. `out` has n + 1 elements and is not `in`.
 inline void scanOnThreads(const int* in, int* out, int n, int threads) {
   const int ranges = rangesFor(n, threads);
   std::array<int, kMostRanges> first{};
@@ -48,9 +48,8 @@ inline void scanOnThreads(const int* in, int* out, int n, int threads) {
   forEachOfRanges(n, ranges, [&](std::size_t k, int begin, int end) {
     int sum = first[k];
     for (int i = begin; i < end; ++i) {
-      const int count = in[i];
       out[i] = sum;
-      sum += count;
+      sum += in[i];
     }
     if (end == n) out[n] = sum;
   });
@@ -64,8 +63,9 @@ class CountingSort {
   void run(const int* key, int n, int members, int count, int* offset, int* order, int threads) {
     const int ranges = rangesFor(n, threads);
     const auto keys = static_cast<std::size_t>(count);
-    if (places_.size() < keys * static_cast<std::size_t>(ranges))
-      places_.resize(keys * static_cast<std::size_t>(ranges));
+    const std::size_t needed = keys * (static_cast<std::size_t>(ranges) + 1);
+    if (places_.size() < needed) places_.resize(needed);
+    int* const total = places_.data() + keys * static_cast<std::size_t>(ranges);
     const auto forEachKey = [&](std::size_t range, int begin, int end, auto&& f) {
       int* const own = places_.data() + keys * range;
       for (int row = 0; row < n; row += members)
@@ -82,17 +82,17 @@ class CountingSort {
         int sum = 0;
         for (std::size_t range = 0; range < static_cast<std::size_t>(ranges); ++range)
           sum += std::exchange(places_[keys * range + static_cast<std::size_t>(k)], sum);
-        offset[k] = sum;
+        total[k] = sum;
       }
     });
-    scanOnThreads(offset, offset, count, threads);
+    scanOnThreads(total, offset, count, threads);
     forEachOfRanges(members, ranges, [&](std::size_t range, int begin, int end) {
       forEachKey(range, begin, end, [&](int* own, int k, int m) { order[offset[k] + own[k]++] = m; });
     });
   }
 
  private:
-  std::vector<int> places_;  ///< [ranges][count]
+  std::vector<int> places_;  ///< [ranges][count], and the numbers of equal keys
 };
 
 }  // namespace rubble

@@ -1,21 +1,20 @@
 #pragma once
-/// CCD for bodies that do not move as the broad phase predicted from the velocities before the step: an impact
-/// or a joint accelerates or stops them within it. The motion of such a body is swept against all bodies on
-/// its way with which it has no pair.
+/// CCD for bodies that do not move as the broad phase predicted from the velocities before the step: an
+/// impact or a joint accelerates or stops them within it. The motion of such a body is swept against all
+/// bodies on its way with which it has no pair.
 #include "stages/ccd/general_impacts.h"
 #include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Bounding box of the motion of a body, according to the stops found so far.
-RUBBLE_HD inline Bounds boundsOfMotion(const SolverData& s, int i) {
+/// Bounding box of a body on a share of its motion, from `begin` to `end` [1].
+RUBBLE_HD inline Bounds boundsOfMotion(const SolverData& s, int i, Real begin, Real end) {
   const BodyParams& p = s.params[i];
-  const Real done = static_cast<Real>(motionIn(s, i).until);
   const Displacement& d = s.dx[i];
-  const Real turn = min(done * length(d.dw), Real(1)) * p.radius;
+  const Real turn = min(end * length(d.dw), Real(1)) * p.radius;
   Bounds b{};
-  b.path = done * d.dp;
-  b.center = Vec3(s.position[i]) + Real(.5) * b.path;
+  b.path = (end - begin) * d.dp;
+  b.center = Vec3(s.position[i]) + Real(.5) * (begin + end) * d.dp;
   b.half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(b.path) + Vec3{turn, turn, turn};
   b.level = -1;
   return b;
@@ -29,25 +28,6 @@ RUBBLE_HD inline bool leavesPath(const SolverData& s, int i, const Bounds& motio
   const Vec3 out = abs(motion.center - b.center) + motion.half - b.half, off = abs(motion.path - b.path);
   const Real slack = max(ownMargin(s, p), kHeldDepth * innerRadiusOf(s.shapeTables(), p.shape));
   return max(out.x, max(out.y, out.z)) > slack || max(off.x, max(off.y, off.z)) > p.radius;
-}
-
-/// Do the bounding spheres of two bodies touch on their motions? They move together until the first of them
-/// stops, and then the other one alone.
-RUBBLE_HD inline bool spheresMeet(const SolverData& s, int i, int j, const SweptMotion& a,
-                                  const SweptMotion& b) {
-  const double reach = static_cast<double>(s.params[i].radius + s.params[j].radius);
-  const auto between = [&](double t) {
-    return s.position[j] - s.position[i] + b.move * min(t, b.until) - a.move * min(t, a.until);
-  };
-  const double stop = min(a.until, b.until);
-  const Vec3d corner[3] = {between(0), between(stop), between(1)};
-  for (int k = 0; k < 2; ++k) {
-    const Vec3d& from = corner[k];
-    const Vec3d way = corner[k + 1] - from;
-    const double t = clamp(-dot(from, way) / max(dot(way, way), 1e-30), 0.0, 1.0);
-    if (lengthSquared(from + way * t) <= reach * reach) return true;
-  }
-  return false;
 }
 
 /// Is there a pair of part `part` of a body and a part of another one in this step? Against a surface, any
@@ -117,15 +97,19 @@ struct FindUnpairedImpacts {
     if (s.counters->anyFast == 0 || s.fast[i] == 0) return;
     if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
     if (round > 0 && s.ccdRound[ccdOwner(s, i)] != round) return;
-    const Bounds motion = boundsOfMotion(s, i);
-    if (round == 0 && !leavesPath(s, i, motion)) return;
-    searchPath(
-        s, i, motion,
+    // what stops waits there for those whose way it then blocks
+    const SweptMotion motion = motionIn(s, i);
+    const Real end = round == 0 ? Real(1) : static_cast<Real>(motion.until);
+    const Bounds way = boundsOfMotion(s, i, round == 0 ? Real(0) : end, end);
+    if (round == 0 && !leavesPath(s, i, way)) return;
+    searchWay(
+        s, i, way,
         [&](int other) {
-          if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
+          if (other == i || !mayMeet(s, i, other, motion, motionIn(s, other))) return;
+          if (isSensor(s, other) || !mayCollide(s, i, other)) return;
           // primitive partners have a pair; parts of others may be too far apart for one
           if (isPrimitivePair(s, i, other) && arePartners(s, i, other)) return;
-          const double fraction = timeOfImpactWithBody(s, i, other);
+          const double fraction = timeOfImpactWithBody(s, i, motion, other);
           if (!(fraction <= 1)) return;
           const int bits = floatBits(static_cast<Real>(1 - fraction));
           atomicRaise(&s.ccdShareBits[i], bits);
@@ -135,14 +119,14 @@ struct FindUnpairedImpacts {
   }
 
   /// Fraction of its motion after which body i meets `other`.
-  RUBBLE_HD static double timeOfImpactWithBody(const SolverData& s, int i, int other) {
+  RUBBLE_HD static double timeOfImpactWithBody(const SolverData& s, int i, const SweptMotion& motion,
+                                               int other) {
     const ShapeData &own = s.params[i].shape, &its = s.params[other].shape;
     const bool surface = isSurface(own.kind) || isSurface(its.kind);
     const int ownParts = parts::count(s, own), itsParts = parts::count(s, its);
-    const SweptMotion motion = motionIn(s, i), otherMotion = motionIn(s, other);
+    const SweptMotion otherMotion = motionIn(s, other);
     const Real thin = thinner(innerRadiusOf(s.shapeTables(), own), innerRadiusOf(s.shapeTables(), its));
     if (approach(s, {i, other}, motion, otherMotion) <= thin) return kNoImpact;
-    if (its.kind != ShapeKind::Plane && !spheresMeet(s, i, other, motion, otherMotion)) return kNoImpact;
     const double tolerance = static_cast<double>(kImpactGap * pairLength(s.params[i], s.params[other]));
     double first = kNoImpact;
     for (int k = 0; k < ownParts; ++k)

@@ -6,9 +6,9 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// The bodies of a layer that a body searches. All: every one. InNumber: those of higher index. InPlace: those
-/// in later cells in row order, and those of higher index in its own cell. By either of the last two, one of
-/// two bodies of a layer finds the other; InPlace visits half as many cells.
+/// The bodies of a layer that a body searches. All: every one. InNumber: those of higher index. InPlace:
+/// those in later cells in row order, and those of higher index in its own cell. By either of the last two,
+/// one of two bodies of a layer finds the other; InPlace visits half as many cells.
 enum class Ahead { All, InNumber, InPlace };
 
 /// found(other) for the bodies of a level whose bounds touch b; share of worker `lane` of `lanes`. `b`: the
@@ -80,53 +80,62 @@ RUBBLE_HD void searchPlanes(const SolverData& s, int world, const Box& b, Found&
     if (const int plane = s.planeBody[k]; touchesPlane(s, plane, b)) found(plane);
   }
 }
-/// found(other) for all bodies whose bounds touch the box `way` of a motion of body i, which leaves its path.
+/// found(other) for the bodies with long paths in a level whose bounds touch those of a probe, which also
+/// come near it if it follows its path. `which` and `i` as in searchLevel(); share of worker `lane` of
+/// `lanes`.
 template <class Found>
-RUBBLE_HD void searchPath(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
-  for (int level = 0; level < kGridLevels; ++level)
-    if (s.counters->levelCount[level] > 0)
-      searchLevel(s, i, way, level, Ahead::All, found, lane, lanes);
-  searchPlanes(s, s.worldOf(i), way, found, lane, lanes);
-}
-
-/// found(other) for the bodies with long paths in a level that are partners of body i; those that `which`
-/// names. Share of worker `lane` of `lanes`, by cells.
-template <class Found>
-RUBBLE_HD void searchLongPaths(const SolverData& s, int i, const Bounds& b, int level, Ahead which,
-                               Found&& found, int lane, int lanes) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE void searchLongPaths(const SolverData& s, int i, const PathProbe& probe,
+                                                  int level, Ahead which, Found&& found, int lane,
+                                                  int lanes) {
+  const Bounds& b = probe.box;
   const int layer = layerOf(s.worldOf(i), level);
-  const auto tryBody = [&](int j, bool later) {
-    if ((which == Ahead::All || later || j > i) && arePartners(s, i, j)) found(j);
+  const auto foundTouching = [&](int j) {
+    if (!probe.follows || pathsMeet(s, i, j)) found(j);
   };
-  const auto tryEntry = [&](const GridEntry& e) { tryBody(e.body, false); };
+  const auto tryEntry = [&](const GridEntry& e) {
+    if ((which == Ahead::All || e.body > i) && boundsTouch(e, b)) foundTouching(e.body);
+  };
   if (visitListed(s, layer, tryEntry, lane, lanes)) return;
   const CellRange c = cellsAround(s, b, level);
   if (c.empty()) return;
   // with more cells than buckets a scan of all bodies is cheaper
-  if (c.cells() > s.cells) {
-    const auto tryPartner = [&](int j) {
-      if (pathsMeet(s, i, j)) found(j);
-    };
-    return searchLevel(s, i, b, level, which, tryPartner, lane, lanes);
-  }
-  const int wide = c.x1 - c.x0 + 1, cells = wide * c.rows();
+  if (c.cells() > s.cells) return searchLevel(s, i, b, level, which, foundTouching, lane, lanes);
+  const int wide = c.x1 - c.x0 + 1, deep = c.y1 - c.y0 + 1, cells = wide * c.rows();
   for (int k = lane; k < cells; k += lanes) {
-    const int row = k / wide, rows = c.y1 - c.y0 + 1;
-    const CellAt cell{level, layer, c.x0 + k % wide, c.y0 + row % rows, c.z0 + row / rows};
-    bool later = false;
-    if (which == Ahead::InPlace && !cell.holds(b)) {
-      later = cell.z != b.z ? cell.z > b.z : cell.y != b.y ? cell.y > b.y : cell.x > b.x;
-      if (!later) continue;
-    }
+    const CellAt cell{level, layer, c.x0 + k % wide, c.y0 + k / wide % deep, c.z0 + k / wide / deep};
+    const bool own = cell.holds(b);
+    if (which == Ahead::InPlace && !own &&
+        !(cell.z != b.z   ? cell.z > b.z
+          : cell.y != b.y ? cell.y > b.y
+                          : cell.x > b.x))
+      continue;
+    const bool every = which == Ahead::All || (which == Ahead::InPlace && !own);
+    const auto tryBody = [&](int j) {
+      if ((every || j > i) && boundsTouch(s.bounds[j], b)) foundTouching(j);
+    };
     const int bucket = bucketOf(s, layer, cell.x, cell.y, cell.z), begin = s.bucketOffset[bucket],
               end = s.bucketOffset[bucket + 1];
-    if (visitSubcells(s, i, cell, end - begin, [&](int j) { tryBody(j, later); })) continue;
+    if (visitSubcells(s, cell, probe, end - begin, tryBody)) continue;
     for (int entry = begin; entry < end; ++entry) {
       const GridEntry& e = s.grid[entry];
       // another cell may share the bucket
-      if (e.layer == layer && boundsTouch(e, b) && cell.holds(s.bounds[e.body])) tryBody(e.body, later);
+      if (e.layer == layer && (every || e.body > i) && boundsTouch(e, b) && cell.holds(s.bounds[e.body]))
+        foundTouching(e.body);
     }
   }
+}
+
+/// found(other) for all bodies whose bounds touch the box `way`, in which body i is away from its path.
+template <class Found>
+RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
+  for (int level = 0; level < kGridLevels; ++level) {
+    if (s.counters->levelCount[level] == 0) continue;
+    if (isLongLevel(level))
+      searchLongPaths(s, i, {way, s.params[i].radius, false}, level, Ahead::All, found, lane, lanes);
+    else
+      searchLevel(s, i, way, level, Ahead::All, found, lane, lanes);
+  }
+  searchPlanes(s, s.worldOf(i), way, found, lane, lanes);
 }
 
 /// found(other, otherOwns) for the partners of body i: in its own layer those that kAhead names, in levels of
@@ -148,8 +157,8 @@ RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane 
     if (!isLong || !same || kAhead != Ahead::InPlace)
       searchLevel(s, i, b, size, same && !isLong ? kAhead : across, foundBody, lane, lanes);
     if (longPaths)
-      searchLongPaths(s, i, b, size + kGridSizes, same && isLong ? kAhead : across, foundPartner, lane,
-                      lanes);
+      searchLongPaths(s, i, {b, p.radius, true}, size + kGridSizes, same && isLong ? kAhead : across,
+                      foundPartner, lane, lanes);
   }
   searchPlanes(
       s, s.worldOf(i), b, [&](int plane) { found(plane, false); }, lane, lanes);

@@ -35,7 +35,8 @@ RUBBLE_HD inline int bucketOf(const SolverData& s, int layer, int x, int y, int 
   // the layers of the first world have the numbers of their levels
   const std::uint32_t row = hash32(
       static_cast<std::uint32_t>(y) * 0x9e3779b1u ^
-      hash32(static_cast<std::uint32_t>(z) * static_cast<std::uint32_t>(kGridLevels) + static_cast<std::uint32_t>(layer)));
+      hash32(static_cast<std::uint32_t>(z) * static_cast<std::uint32_t>(kGridLevels) +
+             static_cast<std::uint32_t>(layer)));
   return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.cells - 1));
 }
 

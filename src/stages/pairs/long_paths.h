@@ -1,8 +1,9 @@
 #pragma once
 /// Bodies with long paths: those that move farther in a step than they are wide, such as grains of a jet.
 /// Swept boxes of such bodies overlap even if all of them move alike and none meets another. So their pairs
-/// are found by their relative motion. Where a cell holds many of them, they are searched for in a frame
-/// that moves with the cell: there their paths are short, and subcells of their own size hold few of them.
+/// are found by their relative motion. Where a cell, which fits the paths, holds many of them, they are
+/// searched for in subcells, which fit the bodies: in a frame that moves with the bodies of the cell their
+/// paths are short, so a search visits few subcells.
 #include "collision/sweep.h"
 #include "stages/pairs/grid.h"
 
@@ -52,19 +53,16 @@ RUBBLE_HD inline Real highestPath(const CellPaths& paths, int level, int axis) {
   return static_cast<Real>(paths.most[1][axis] - kCellOrigin) * (cellSize(level) / kPathSteps);
 }
 
-/// How many times a cell is halved into subcells: the finest that two of its bodies find one another in by a
-/// look at the neighboring subcells; 0 if that saves nothing.
+/// How many times a cell is halved into subcells: these are as wide as two of its bodies that have a pair at
+/// one velocity are apart. 0: subcells save nothing.
 RUBBLE_HD inline int halvings(const CellPaths& paths, int level, int x, int y, int z) {
   // the numbers of subcells must be exact
   constexpr int kMostHalvings = 10, kLeastHalvings = 2, kFar = 1 << 19;
   if (max(std::abs(x), max(std::abs(y), std::abs(z))) >= kFar) return 0;
-  Real spread = 0;
-  for (int k = 0; k < 3; ++k)
-    spread = max(spread, highestPath(paths, level, k) - lowestPath(paths, level, k));
-  const Real radius = fromFloatBits(paths.radius);
-  const Real reach = 2 * fromFloatBits(paths.half) + pathReach(radius, radius) + Real(.5) * spread;
+  const Real radius = fromFloatBits(paths.radius),
+             wide = 2 * fromFloatBits(paths.half) + pathReach(radius, radius);
   int n = 0;
-  for (Real size = Real(.5) * cellSize(level); n < kMostHalvings && size >= reach; size *= Real(.5)) ++n;
+  for (Real size = Real(.5) * cellSize(level); n < kMostHalvings && size >= wide; size *= Real(.5)) ++n;
   return n < kLeastHalvings ? 0 : n;
 }
 /// Edge of the subcells of a cell [m].
@@ -107,36 +105,51 @@ struct LinkSubcells {
 /// One cell of a level.
 struct CellAt {
   int level, layer, x, y, z;
-  RUBBLE_HD bool holds(const Bounds& b) const {
-    return b.level == level && b.x == x && b.y == y && b.z == z;
-  }
+  RUBBLE_HD bool holds(const Bounds& b) const { return b.level == level && b.x == x && b.y == y && b.z == z; }
 };
 
-/// look(j) for the bodies with long paths in a cell that may come near body i on its path: by subcells.
-/// Returns false, without a look, if a scan of the `members` of the bucket is cheaper.
+/// What the boxes of bodies with long paths are compared with.
+struct PathProbe {
+  const Bounds& box;
+  Real radius;   ///< of its body [m]
+  bool follows;  ///< the body follows its path, and so do those that it searches
+};
+
+/// Largest distance of the center of a probe from those of the boxes in a cell that it may meet, along an
+/// axis [m].
+RUBBLE_HD inline Real reachInto(const SolverData& s, const CellAt& cell, const CellPaths& paths,
+                                const PathProbe& probe, int axis) {
+  const Bounds& b = probe.box;
+  const Real swept = b.half[axis] + fromFloatBits(s.counters->levelHalf[cell.level][axis]);
+  if (!probe.follows) return swept;
+  // centers are those at half of the step, and relative paths lead half of their length away from there
+  const Real path = b.path[axis], relative = max(path - lowestPath(paths, cell.level, axis),
+                                                 highestPath(paths, cell.level, axis) - path);
+  return min(swept, b.half[axis] - Real(.5) * std::fabs(path) + fromFloatBits(paths.half) +
+                        pathReach(probe.radius, fromFloatBits(paths.radius)) + Real(.5) * relative);
+}
+
+/// look(j) for the bodies with long paths in a cell that a probe may meet, by subcells. Returns false,
+/// without a look, if a scan of the `members` of its bucket is cheaper.
 template <class Look>
-RUBBLE_HD bool visitSubcells(const SolverData& s, int i, const CellAt& cell, int members, Look&& look) {
+RUBBLE_HD bool visitSubcells(const SolverData& s, const CellAt& cell, const PathProbe& probe, int members,
+                             Look&& look) {
   constexpr int kFewMembers = 8;
   if (members <= kFewMembers) return false;
   const CellPaths& paths = s.cellPaths[bucketOf(s, cell.layer, cell.x, cell.y, cell.z)];
-  const int n = halvings(paths, cell.level, cell.x, cell.y, cell.z);
+  const int n = halvings(paths, cell.level, cell.x, cell.y, cell.z), side = 1 << n;
   if (n == 0) return false;
-  const Bounds& b = s.bounds[i];
   const Real size = subcellSize(cell.level, n);
-  const int first[3] = {cell.x, cell.y, cell.z}, side = 1 << n;
+  const int first[3] = {cell.x * side, cell.y * side, cell.z * side};
   int low[3], high[3];
+  double cells = 1;
   for (int k = 0; k < 3; ++k) {
-    // at half of the step the centers differ by no more than this if the boxes come near at any time
-    const Real relative = max(std::fabs(b.path[k] - lowestPath(paths, cell.level, k)),
-                              std::fabs(highestPath(paths, cell.level, k) - b.path[k]));
-    const Real reach = b.half[k] - Real(.5) * std::fabs(b.path[k]) + fromFloatBits(paths.half) +
-                       pathReach(s.params[i].radius, fromFloatBits(paths.radius)) + Real(.5) * relative;
-    low[k] = max(cellOf(b.center[k] - reach, size), first[k] * side);
-    high[k] = min(cellOf(b.center[k] + reach, size), first[k] * side + side - 1);
+    const Real center = probe.box.center[k], reach = reachInto(s, cell, paths, probe, k);
+    low[k] = max(cellOf(center - reach, size), first[k]);
+    high[k] = min(cellOf(center + reach, size), first[k] + side - 1);
     if (low[k] > high[k]) return true;
+    cells *= high[k] - low[k] + 1;
   }
-  const double cells = (double(high[0]) - low[0] + 1) * (double(high[1]) - low[1] + 1) *
-                       (double(high[2]) - low[2] + 1);
   if (cells > members) return false;
   for (int z = low[2]; z <= high[2]; ++z)
     for (int y = low[1]; y <= high[1]; ++y)
