@@ -20,7 +20,7 @@ Scene cloud(Random& random, int count, double spread) {
   Scene scene = test::emptyScene({0, 0, 0});
   BodyDef wall;
   wall.motion = Motion::Static;
-  wall.shape = Shape::box({20, kWallThickness / 2, 20});
+  wall.shape = Shape::box({60, kWallThickness / 2, 60});
   wall.position = {0, kWallFront + kWallThickness / 2, 0};
   scene.bodies.push_back(wall);
   const Vec3 velocity{random.uniform(-50, 50), random.logUniform(20, 300), random.uniform(-50, 50)};

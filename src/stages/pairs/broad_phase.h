@@ -145,20 +145,22 @@ RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane 
   const BodyParams& p = s.params[i];
   if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane || isPaused(s, i)) return;
   const Bounds& b = s.bounds[i];
-  const bool isLong = isLongLevel(b.level), longPaths = s.counters->pathCells > 0;
+  const bool isLong = isLongLevel(b.level);
   for (int size = sizeOf(b.level); size < kGridSizes; ++size) {
     const bool same = size == sizeOf(b.level);
-    const auto foundBody = [&](int other) {
-      if (!isLong || pathsMeet(s, i, other)) found(other, same && other < i);
-    };
     const auto foundPartner = [&](int other) { found(other, same && other < i); };
-    // bodies with long and with short paths in cells of one size: in place, the latter find the former
-    const Ahead across = !same ? Ahead::All : kAhead == Ahead::InPlace ? Ahead::All : Ahead::InNumber;
-    if (!isLong || !same || kAhead != Ahead::InPlace)
-      searchLevel(s, i, b, size, same && !isLong ? kAhead : across, foundBody, lane, lanes);
-    if (longPaths)
-      searchLongPaths(s, i, {b, p.radius, true}, size + kGridSizes, same && isLong ? kAhead : across,
-                      foundPartner, lane, lanes);
+    const auto foundBody = [&](int other) {
+      if (!isLong || pathsMeet(s, i, other)) foundPartner(other);
+    };
+    const auto which = [&](int level) {
+      return level == b.level ? kAhead : same && kAhead == Ahead::InNumber ? kAhead : Ahead::All;
+    };
+    // of bodies with long and with short paths in cells of one size, in place the latter find the former
+    const bool foundByOthers = same && isLong && kAhead == Ahead::InPlace;
+    if (s.counters->levelCount[size] > 0 && !foundByOthers)
+      searchLevel(s, i, b, size, which(size), foundBody, lane, lanes);
+    if (const int level = size + kGridSizes; s.counters->levelCount[level] > 0)
+      searchLongPaths(s, i, {b, p.radius, true}, level, which(level), foundPartner, lane, lanes);
   }
   searchPlanes(
       s, s.worldOf(i), b, [&](int plane) { found(plane, false); }, lane, lanes);

@@ -20,8 +20,13 @@ RUBBLE_HD constexpr int sizeOf(int level) { return level % kGridSizes; }
 /// Does a level hold the bodies with long paths?
 RUBBLE_HD constexpr bool isLongLevel(int level) { return level >= kGridSizes; }
 
+/// 2^k, for exponents that a normal float has.
+RUBBLE_HD inline Real powerOfTwo(int k) {
+  constexpr int kBias = 127, kMantissaBits = 23;
+  return fromFloatBits((kBias + k) << kMantissaBits);
+}
 /// Edge of the cells of a level [m]: powers of two.
-RUBBLE_HD inline Real cellSize(int level) { return std::ldexp(Real(1), sizeOf(level) - kMetreLevel); }
+RUBBLE_HD inline Real cellSize(int level) { return powerOfTwo(sizeOf(level) - kMetreLevel); }
 
 RUBBLE_HD inline int cellOf(Real x, Real size) {
   constexpr Real kFar = Real(1e9);

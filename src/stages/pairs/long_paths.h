@@ -66,7 +66,9 @@ RUBBLE_HD inline int halvings(const CellPaths& paths, int level, int x, int y, i
   return n < kLeastHalvings ? 0 : n;
 }
 /// Edge of the subcells of a cell [m].
-RUBBLE_HD inline Real subcellSize(int level, int halvings) { return std::ldexp(cellSize(level), -halvings); }
+RUBBLE_HD inline Real subcellSize(int level, int halvings) {
+  return powerOfTwo(sizeOf(level) - kMetreLevel - halvings);
+}
 
 /// Clears what a cell stores for long paths.
 struct ClearCellPaths {
@@ -152,9 +154,11 @@ RUBBLE_HD bool visitSubcells(const SolverData& s, const CellAt& cell, const Path
   }
   if (cells > members) return false;
   for (int z = low[2]; z <= high[2]; ++z)
-    for (int y = low[1]; y <= high[1]; ++y)
+    for (int y = low[1]; y <= high[1]; ++y) {
+      // buckets of a row are adjacent
+      const int row = bucketOf(s, cell.layer, low[0], y, z);
       for (int x = low[0]; x <= high[0]; ++x)
-        for (int next = s.subcellFirst[bucketOf(s, cell.layer, x, y, z)]; next > 0;) {
+        for (int next = s.subcellFirst[(row + x - low[0]) & (s.cells - 1)]; next > 0;) {
           const int j = next - 1;
           next = s.subcellNext[j];
           // other cells may share the bucket
@@ -164,6 +168,7 @@ RUBBLE_HD bool visitSubcells(const SolverData& s, const CellAt& cell, const Path
               cellOf(other.center.z, size) == z)
             look(j);
         }
+    }
   return true;
 }
 
