@@ -95,5 +95,30 @@ TEST(Clouds, NoBodyPassesAWallOrAnotherBody) {
   EXPECT_GT(blocked, 150) << "bodies in the way of others, most of them stopped";
 }
 
+/// Two grains fly one behind the other, so they have no pair. The first one touches a block, whose contact
+/// stops it; the second one would pass beside the block and must not pass the first.
+TEST(Clouds, BodyStoppedByAContactBlocksThoseBehindIt) {
+  constexpr double kRadius = .01, kSpeed = 200;
+  Scene scene = test::emptyScene({0, 0, 0});
+  BodyDef block;
+  block.motion = Motion::Static;
+  block.shape = Shape::box({kRadius, kRadius, kRadius});
+  block.position = {0, kRadius, 0};
+  scene.bodies.push_back(block);
+  for (const Vec3& at : {Vec3{.8 * kRadius, -kRadius, 0}, Vec3{2.1 * kRadius, -11 * kRadius, 0}}) {
+    BodyDef grain;
+    grain.shape = Shape::sphere(kRadius);
+    grain.position = at;
+    grain.velocity = {0, kSpeed, 0};
+    scene.bodies.push_back(grain);
+  }
+  World world(scene, test::options(4));
+  EXPECT_GE(world.step().stoppedBodies, 1);
+  const double first = world.state(world.bodyAt(1)).position.y,
+               second = world.state(world.bodyAt(2)).position.y;
+  EXPECT_NEAR(first, -kRadius, .1 * kRadius);
+  EXPECT_LT(second, first - kRadius);
+}
+
 }  // namespace
 }  // namespace rubble
