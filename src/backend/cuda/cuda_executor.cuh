@@ -216,6 +216,7 @@ class CudaExecutor : private ScanLauncher {
     });
   }
   void run(const FindNeighbors& kernel, int n) { search<FindNeighborsByTile>(kernel, n); }
+  void run(const FindPathNeighbors& kernel, int n) { search<FindPathNeighborsByTile>(kernel, n); }
   void run(const FindUnpairedImpacts& kernel, int n) { search<FindUnpairedImpactsByTile>(kernel, n); }
   void run(const FindPairs<false>& kernel, int n) { search<FindPairsByTile>(kernel, n); }
 

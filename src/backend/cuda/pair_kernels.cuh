@@ -36,6 +36,7 @@ template <class Search, int kTile> struct SearchByTile {
   }
 };
 template <int kTile> using FindNeighborsByTile = SearchByTile<FindNeighbors, kTile>;
+template <int kTile> using FindPathNeighborsByTile = SearchByTile<FindPathNeighbors, kTile>;
 template <int kTile> using FindUnpairedImpactsByTile = SearchByTile<FindUnpairedImpacts, kTile>;
 
 /// One lane per neighbor, for worlds without shapes of several parts.

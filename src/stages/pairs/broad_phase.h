@@ -84,9 +84,8 @@ RUBBLE_HD void searchPlanes(const SolverData& s, int world, const Box& b, Found&
 /// come near it if it follows its path. `which` and `i` as in searchLevel(); share of worker `lane` of
 /// `lanes`.
 template <class Found>
-RUBBLE_HD RUBBLE_OUT_OF_LINE void searchLongPaths(const SolverData& s, int i, const PathProbe& probe,
-                                                  int level, Ahead which, Found&& found, int lane,
-                                                  int lanes) {
+RUBBLE_HD void searchLongPaths(const SolverData& s, int i, const PathProbe& probe, int level, Ahead which,
+                               Found&& found, int lane, int lanes) {
   const Bounds& b = probe.box;
   const int layer = layerOf(s.worldOf(i), level);
   const auto foundTouching = [&](int j) {
@@ -138,59 +137,87 @@ RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& 
   searchPlanes(s, s.worldOf(i), way, found, lane, lanes);
 }
 
-/// found(other, otherOwns) for the partners of body i: in its own layer those that kAhead names, in levels of
-/// coarser cells all. Share of worker `lane` of `lanes`.
+/// Is a body in the grid in this step?
+RUBBLE_HD inline bool isInGrid(const SolverData& s, int i) {
+  const BodyParams& p = s.params[i];
+  return p.kind != BodyKind::Removed && p.shape.kind != ShapeKind::Plane && !isPaused(s, i);
+}
+
+/// found(other, otherOwns) for the partners of body i if neither has a long path: in its own level those that
+/// kAhead names, in coarser levels all. Share of worker `lane` of `lanes`.
 template <Ahead kAhead, class Found>
 RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
-  const BodyParams& p = s.params[i];
-  if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane || isPaused(s, i)) return;
+  if (!isInGrid(s, i)) return;
+  const Bounds& b = s.bounds[i];
+  if (isLongLevel(b.level)) return;
+  for (int level = b.level; level < kGridSizes; ++level)
+    searchLevel(
+        s, i, b, level, level == b.level ? kAhead : Ahead::All,
+        [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
+  searchPlanes(
+      s, s.worldOf(i), b, [&](int plane) { found(plane, false); }, lane, lanes);
+}
+/// The same if one of the two has a long path.
+template <Ahead kAhead, class Found>
+RUBBLE_HD RUBBLE_OUT_OF_LINE void searchPaths(const SolverData& s, int i, Found&& found, int lane = 0,
+                                              int lanes = 1) {
+  if (s.counters->pathCells == 0 || !isInGrid(s, i)) return;
   const Bounds& b = s.bounds[i];
   const bool isLong = isLongLevel(b.level);
   for (int size = sizeOf(b.level); size < kGridSizes; ++size) {
     const bool same = size == sizeOf(b.level);
     const auto foundPartner = [&](int other) { found(other, same && other < i); };
     const auto foundBody = [&](int other) {
-      if (!isLong || pathsMeet(s, i, other)) foundPartner(other);
+      if (pathsMeet(s, i, other)) foundPartner(other);
     };
     const auto which = [&](int level) {
       return level == b.level ? kAhead : same && kAhead == Ahead::InNumber ? kAhead : Ahead::All;
     };
     // of bodies with long and with short paths in cells of one size, in place the latter find the former
-    const bool foundByOthers = same && isLong && kAhead == Ahead::InPlace;
-    if (s.counters->levelCount[size] > 0 && !foundByOthers)
-      searchLevel(s, i, b, size, which(size), foundBody, lane, lanes);
+    const bool foundByOthers = same && kAhead == Ahead::InPlace;
+    if (isLong && !foundByOthers) searchLevel(s, i, b, size, which(size), foundBody, lane, lanes);
     if (const int level = size + kGridSizes; s.counters->levelCount[level] > 0)
-      searchLongPaths(s, i, {b, p.radius, true}, level, which(level), foundPartner, lane, lanes);
+      searchLongPaths(s, i, {b, s.params[i].radius, true}, level, which(level), foundPartner, lane, lanes);
   }
+  if (!isLong) return;
   searchPlanes(
       s, s.worldOf(i), b, [&](int plane) { found(plane, false); }, lane, lanes);
 }
 /// found(other) for the partners of body i with which it may collide and owns the pair.
 template <class Found>
 RUBBLE_HD void searchPartners(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
-  searchBounds<Ahead::InNumber>(
-      s, i,
-      [&](int other, bool) {
-        if (mayCollide(s, i, other)) found(other);
-      },
-      lane, lanes);
+  const auto foundPartner = [&](int other, bool) {
+    if (mayCollide(s, i, other)) found(other);
+  };
+  searchBounds<Ahead::InNumber>(s, i, foundPartner, lane, lanes);
+  searchPaths<Ahead::InNumber>(s, i, foundPartner, lane, lanes);
 }
 
-/// Stores partners with the owner of the pair. In cells of one size that is the body of lower index, else the
-/// one in the finer cells. The first kPairSlots are stored, in no fixed order.
+/// Stores a pair with its owner. In cells of one size that is the body of lower index, else the one in the
+/// finer cells. The first kPairSlots are stored, in no fixed order.
+RUBBLE_HD inline void storePartner(const SolverData& s, int i, int other, bool otherOwns) {
+  const int owner = otherOwns ? other : i;
+  const int slot = atomicCount(&s.pairCount[owner], 1);
+  if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
+}
+/// Finds partners without long paths.
 struct FindNeighbors {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     searchBounds<Ahead::InPlace>(
-        s, i,
-        [&](int other, bool otherOwns) {
-          const int owner = otherOwns ? other : i;
-          const int slot = atomicCount(&s.pairCount[owner], 1);
-          if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
-        },
-        lane, lanes);
+        s, i, [&](int other, bool otherOwns) { storePartner(s, i, other, otherOwns); }, lane, lanes);
+  }
+};
+/// Finds partners of which one has a long path. It is a separate kernel so that the other one stays small.
+struct FindPathNeighbors {
+  static constexpr const char* kStage = "pairs";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
+  /// Share of worker `lane` of `lanes`.
+  RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
+    searchPaths<Ahead::InPlace>(
+        s, i, [&](int other, bool otherOwns) { storePartner(s, i, other, otherOwns); }, lane, lanes);
   }
 };
 

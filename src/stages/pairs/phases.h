@@ -25,6 +25,7 @@ template <Executor E> void find(E& e) {
   e.forEach(LinkSubcells{}, bodies);
   e.clear(&SolverData::pairCount, bodies);
   e.forEach(FindNeighbors{}, bodies);
+  e.beside(FindPathNeighbors{}, bodies);
   forEachOwner<FindPairs>(e);
   e.scan(&SolverData::pairCount, &SolverData::pairOffset, bodies, &Counters::pairs, Per::Pair);
   forEachOwner<WritePairs>(e);
