@@ -47,11 +47,11 @@ RUBBLE_HD inline bool arePaired(const SolverData& s, int body, int part, int oth
   return false;
 }
 
-/// Time of impact of parts without a pair, if the penetration would exceed what the rows of the next step
-/// correct.
+/// Time of impact of parts without a pair. Unless `anyTouch`, only if the penetration would exceed what the
+/// rows of the next step correct.
 RUBBLE_HD inline TimeOfImpact timeOfImpactUnpaired(const PlacedAny& part, const SweptMotion& motion,
                                                    const PlacedAny& other, const SweptMotion& otherMotion,
-                                                   double tolerance) {
+                                                   double tolerance, bool anyTouch) {
   const ShapeTables& tables = part.tables;
   const Real thin = thinner(innerRadiusOf(tables, part.shape), innerRadiusOf(tables, other.shape));
   if (part.shape.kind == ShapeKind::Distance || other.shape.kind == ShapeKind::Distance) {
@@ -65,7 +65,7 @@ RUBBLE_HD inline TimeOfImpact timeOfImpactUnpaired(const PlacedAny& part, const 
   if (!isSurface(other.shape.kind)) {
     const Placed its = asConvex(other);
     const TimeOfImpact first = timeOfImpact(convex, motion, its, otherMotion, tolerance);
-    if (first.fraction > 1) return first;
+    if (first.fraction > 1 || anyTouch) return first;
     const double gap = gapAlong(movedBy(convex, motion, 1), movedBy(its, otherMotion, 1), first.at.n);
     return gap < -static_cast<double>(kHeldDepth * thin) ? first : TimeOfImpact{kNoImpact, first.at};
   }
@@ -128,6 +128,9 @@ struct FindUnpairedImpacts {
     const Real thin = thinner(innerRadiusOf(s.shapeTables(), own), innerRadiusOf(s.shapeTables(), its));
     if (approach(s, {i, other}, motion, otherMotion) <= thin) return kNoImpact;
     const double tolerance = static_cast<double>(kImpactGap * pairLength(s.params[i], s.params[other]));
+    // bodies that the broad phase left out for their paths alone stop as pairs do
+    const bool anyTouch = isPrimitivePair(s, i, other) && its.kind != ShapeKind::Plane &&
+                          boundsTouch(s.bounds[i], s.bounds[other]);
     double first = kNoImpact;
     for (int k = 0; k < ownParts; ++k)
       for (int j = 0; j < itsParts; ++j) {
@@ -135,7 +138,7 @@ struct FindUnpairedImpacts {
         const PlacedAny a = placedAny(s.shapeTables(), own, {0, 0, 0}, s.orientation[i], k);
         const PlacedAny b = placedAny(s.shapeTables(), its, s.position[other] - s.position[i],
                                       s.orientation[other], j);
-        const TimeOfImpact m = timeOfImpactUnpaired(a, motion, b, otherMotion, tolerance);
+        const TimeOfImpact m = timeOfImpactUnpaired(a, motion, b, otherMotion, tolerance, anyTouch);
         if (!(m.fraction > 0) || (s.oneWay && !stopsOneWay(s, {i, other}, {k, j}, normalOf(a, b, m))))
           continue;
         first = min(first, m.fraction);
