@@ -70,6 +70,12 @@ RUBBLE_HD inline Real subcellSize(int level, int halvings) {
   return powerOfTwo(sizeOf(level) - kMetreLevel - halvings);
 }
 
+/// Is there a body i, and has it a long path? The kernels below run over as many elements as there are
+/// buckets, more than bodies, so that they cost nothing where no path is long.
+RUBBLE_HD inline bool hasLongPath(const SolverData& s, int i) {
+  return i < s.bodies && isLongLevel(s.bounds[i].level);
+}
+
 /// Clears what a cell stores for long paths.
 struct ClearCellPaths {
   static constexpr const char* kStage = "grid";
@@ -82,7 +88,7 @@ struct ClearCellPaths {
 struct MeasurePaths {
   static constexpr const char* kStage = "grid";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.counters->pathCells == 0 || !isLongLevel(s.bounds[i].level)) return;
+    if (!hasLongPath(s, i)) return;
     const Bounds& b = s.bounds[i];
     const int bucket = bucketOf(s, layerOf(s.worldOf(i), b.level), b.x, b.y, b.z);
     addPath(s.cellPaths[bucket], b, s.params[i].radius);
@@ -92,7 +98,7 @@ struct MeasurePaths {
 struct LinkSubcells {
   static constexpr const char* kStage = "grid";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.counters->pathCells == 0 || !isLongLevel(s.bounds[i].level)) return;
+    if (!hasLongPath(s, i)) return;
     const Bounds& b = s.bounds[i];
     const int layer = layerOf(s.worldOf(i), b.level);
     const int n = halvings(s.cellPaths[bucketOf(s, layer, b.x, b.y, b.z)], b.level, b.x, b.y, b.z);

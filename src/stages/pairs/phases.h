@@ -21,8 +21,8 @@ template <Executor E> void find(E& e) {
   e.forEach(FillGrid{}, bodies);
   e.require(Per::PathCell, &Counters::pathCells);
   e.forEach(ClearCellPaths{}, &Counters::pathCells);
-  e.forEach(MeasurePaths{}, bodies);
-  e.forEach(LinkSubcells{}, bodies);
+  e.forEach(MeasurePaths{}, &Counters::pathCells);
+  e.forEach(LinkSubcells{}, &Counters::pathCells);
   e.clear(&SolverData::pairCount, bodies);
   e.forEach(FindNeighbors{}, bodies);
   e.beside(FindPathNeighbors{}, bodies);
