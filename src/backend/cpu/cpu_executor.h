@@ -11,6 +11,7 @@
 
 #include <rubble/report.h>
 
+#include "backend/cpu/counting.h"
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
 #include "backend/division.h"
@@ -74,20 +75,11 @@ class CpuExecutor {
     run(s, kernel, (s.*offsets)[k + 1] - begin, [&](int i) { return begin + i; });
   }
 
-  void clear(Array<int> SolverData::*array, int n) {
-    std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n));
-  }
+  void clear(Array<int> SolverData::*array, int n) { clearOnThreads(view().*array, n, threads_.count()); }
   void clear(Array<int> SolverData::*array, int Counters::*n) { clear(array, view().counters->*n); }
 
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int n) {
-    int sum = 0;
-    const int* const in = view().*counts;
-    int* const out = view().*offsets;
-    for (int i = 0; i < n; ++i) {
-      out[i] = sum;
-      sum += in[i];
-    }
-    out[n] = sum;
+    scanOnThreads(view().*counts, view().*offsets, n, threads_.count());
   }
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int Counters::*n) {
     scan(counts, offsets, view().counters->*n);
@@ -104,27 +96,7 @@ class CpuExecutor {
   void groupByKey(Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
                   Array<int> SolverData::*order, int Counters::*keyCount) {
     const SolverData& s = view();
-    const int count = s.counters->*keyCount;
-    int *const offset = s.*offsets, *const to = s.*order;
-    const int* const key = s.*keys;
-    const int members = s.nodes();
-    // a key has nodes of one level only, since levels share no keys
-    const auto forEachKey = [&](auto&& f) {
-      const auto level = [&](std::size_t which) {
-        const int l = static_cast<int>(which);
-        for (int m = 0; m < members && l * members + m < n; ++m)
-          if (const int k = key[l * members + m]; k >= 0) f(k, m);
-      };
-      forEachTask(static_cast<std::size_t>(members > 0 ? (n + members - 1) / members : 0), level);
-    };
-    std::fill_n(offset, count + 1, 0);
-    forEachKey([&](int k, int) { ++offset[k]; });
-    int sum = 0;
-    for (int k = 0; k <= count; ++k) sum += std::exchange(offset[k], sum);
-    // fill upward from each offset, then shift the offsets back by one
-    forEachKey([&](int k, int member) { to[offset[k]++] = member; });
-    for (int k = count; k > 0; --k) offset[k] = offset[k - 1];
-    offset[0] = 0;
+    countingSort_.run(s.*keys, n, s.nodes(), s.counters->*keyCount, s.*offsets, s.*order, threads_.count());
   }
 
   void require(Per per, int Counters::*count) {
@@ -285,6 +257,7 @@ class CpuExecutor {
 
   HostTables tables_;
   std::vector<std::unique_ptr<void, Release>> rooms_;
+  CountingSort countingSort_;
   Threads threads_;
   bool timings_;
   bool backward_ = false;
