@@ -59,10 +59,20 @@ RUBBLE_NOINLINE void operator delete[](void* p, std::align_val_t) noexcept { std
 RUBBLE_NOINLINE void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 RUBBLE_NOINLINE void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+// A sanitizer gives and takes memory of its own only.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define RUBBLE_HAS_SANITIZER 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define RUBBLE_HAS_SANITIZER 1
+#endif
+#endif
+
+#if defined(__GLIBC__) && !defined(RUBBLE_HAS_SANITIZER)
 // Tables come from calloc.
 extern "C" void* __libc_calloc(std::size_t, std::size_t);
-extern "C" void* calloc(std::size_t number, std::size_t size) noexcept {
+extern "C" __attribute__((visibility("default"))) void* calloc(std::size_t number,
+                                                               std::size_t size) noexcept {
   return fails() ? nullptr : __libc_calloc(number, size);
 }
 #endif
