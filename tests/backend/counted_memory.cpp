@@ -6,6 +6,8 @@
 #include <limits>
 #include <new>
 
+#include "tests/support/sanitizer.h"
+
 namespace {
 
 std::atomic<long> count{0};
@@ -60,14 +62,6 @@ RUBBLE_NOINLINE void operator delete(void* p, std::size_t, std::align_val_t) noe
 RUBBLE_NOINLINE void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
 // A sanitizer gives and takes memory of its own only.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define RUBBLE_HAS_SANITIZER 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define RUBBLE_HAS_SANITIZER 1
-#endif
-#endif
-
 #if defined(__GLIBC__) && !defined(RUBBLE_HAS_SANITIZER)
 // Tables come from calloc.
 extern "C" void* __libc_calloc(std::size_t, std::size_t);
