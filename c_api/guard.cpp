@@ -13,6 +13,12 @@ struct LastError {
   std::string message, path, expected, found;
   rb_error plain{RB_OK, "", "", "", ""};
 
+  /// Where there is no memory for texts.
+  rb_status setOutOfMemory() noexcept {
+    plain = {RB_OUT_OF_MEMORY, "out of memory", "", "", ""};
+    return RB_OUT_OF_MEMORY;
+  }
+
   rb_status set(rb_status status, const char* text, const Error* error = nullptr) {
     message = text;
     path = error ? error->path() : "";
@@ -49,14 +55,14 @@ rb_status currentFailure() noexcept {
     } catch (const Error& error) {
       return lastError().set(RB_INVALID, error.what(), &error);
     } catch (const std::bad_alloc&) {
-      return lastError().set(RB_OUT_OF_MEMORY, "out of memory");
+      return lastError().setOutOfMemory();
     } catch (const std::exception& error) {
       return lastError().set(RB_FAILED, error.what());
     } catch (...) {
       return lastError().set(RB_FAILED, "unknown failure");
     }
   } catch (...) {
-    return RB_OUT_OF_MEMORY;  // not even the message can be stored
+    return lastError().setOutOfMemory();
   }
 }
 
