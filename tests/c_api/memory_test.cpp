@@ -119,7 +119,7 @@ std::vector<Call> calls() {
          rb_ray ray{};
          ray.origin[2] = 9, ray.direction[2] = -1, ray.max_distance = 20;
          ray.filter.layers = ray.filter.mask = 0xffffffffu, ray.filter.ignore.index = -1;
-         rb_ray_hit hit;
+         rb_hit hit;
          return rb_world_cast_rays(s.world, &ray, 1, &hit);
        }},
       {"world_snapshot", [](Session& s) { return rb_world_snapshot(s.world, &s.otherSnapshot); }},
