@@ -2,6 +2,7 @@
 /// Bodies and surfaces to draw of a world, a scene or a recording, and pictures as files. render/ draws them.
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,7 +25,10 @@ struct PictureBody {
   double value = 0;      ///< quantity shown by colors (picture_values.h); NaN: none
   std::vector<float> vertexValues =
       {};  ///< likewise, of the points of a mesh that deforms; empty: `value` for all
+  std::optional<Vec3> color = {};  ///< red, green, blue, 0 to 1 (sRGB); none: the renderer chooses
 };
+/// The same geometry, in the same sizes?
+bool sameShape(const Shape& a, const Shape& b);
 /// Keys from here on are of deformable objects.
 inline constexpr std::uint32_t kSoftKeys = 1u << 31;
 /// Below these bits of such a key: the number of the vertex; above: that of the object.

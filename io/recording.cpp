@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "io/appearance_json.h"
 #include "io/byte_stream.h"
 #include "io/frame_codec.h"
 #include "io/recording_format.h"
@@ -55,6 +56,11 @@ struct RecordingWriter::Impl {
   Impl(const std::string& file, const RecordingHeader& header) : out(file), frames(header.resolution) {
     out.writeRaw(magicBytes());
     out.write(kHead, encodeHeader(header));
+    if (const Appearance& own = header.appearance; !own.looks.empty() || own.toSun || !own.cameras.empty()) {
+      ByteWriter text;
+      text.put(appearanceText(own));
+      out.write(kLook, text.bytes());
+    }
   }
 
   void flushFrames() {
@@ -170,7 +176,14 @@ struct RecordingReader::Impl {
               "version " + std::to_string(version));
     if (!decoded) in.fail(chunk.offset, "the header of a trajectory", "other content");
     header = *decoded;
-    return in.head(kMagic.size())->end;
+    const std::uint64_t first = in.head(kMagic.size())->end;
+    const auto next = in.head(first);
+    if (!next || next->name != kLook) return first;
+    std::optional<Appearance> look = appearanceOf(
+        ByteReader(need(first, kLook, "an appearance").content).getText());
+    if (!look) in.fail(first, "an appearance", "other content");
+    header.appearance = std::move(*look);
+    return next->end;
   }
 
   /// Where the index is, if the file has its footer.

@@ -41,12 +41,14 @@ ExportResult exportRecording(io::RecordingReader& recording, const std::string& 
   ExportResult result;
   if (recording.frameCount() == 0) throw Error("recording", "frames", "none");
   ExportOptions chosen = options;
-  if (std::filesystem::path(file).extension() == ".obj" && !isNumbered(file)) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (ending == ".obj" && !isNumbered(file)) {
     // One file holds one frame: the last one.
     if (chosen.to < 0) chosen.to = recording.frameCount() - 1;
     chosen.from = chosen.to;
   }
-  FrameSource source(recording, chosen);
+  const bool isTable = ending == ".csv" || ending == ".npz";
+  FrameSource source(recording, chosen, !isTable);
   const ExportJob job{file, chosen, source, result.notes};
   const std::unique_ptr<FrameWriter> writer = writerFor(job);
   const int count = source.count();

@@ -24,7 +24,62 @@ std::string uniqueName(std::string name, const std::string& kind, int index, std
 
 }  // namespace
 
-FrameSource::FrameSource(io::RecordingReader& recording, const ExportOptions& options)
+void FrameSource::findLooks(bool withLooks) {
+  const std::vector<Look>& looks = recording_.header().appearance.looks;
+  if (!withLooks || looks.empty()) return;
+  for (const Look& look : looks) {
+    if (look.body == kWorld) scenery_.push_back(&look);
+    for (const io::RecordedBody& body : recording_.bodies(0))
+      if (body.id.index == look.body) looks_[{body.id.index, body.id.generation}] = &look;
+  }
+}
+
+FrameSource::Rows FrameSource::bodyRows(const std::vector<io::RecordedBody>& bodies) {
+  Rows rows;
+  const auto add = [&](const Id& id, int row, const io::RecordedBody& body, const Look* look) {
+    const auto [at, isNew] = bodyNumbers_.try_emplace(id);
+    for (std::size_t k = 0; k < (look ? look->parts.size() : 1); ++k) {
+      const LookPart* const part = look ? &look->parts[k] : nullptr;
+      if (isNew) {
+        at->second.push_back(static_cast<int>(cast_.bodies.size()));
+        CastBody& added = cast_.bodies.emplace_back(CastBody{body});
+        if (part) added.shape = part->shape, added.color = part->color;
+        cast_.bodyNames.push_back(uniqueName(body.name, "body", body.id.index, names_));
+      }
+      rows.bodies.push_back(at->second[k]);
+      if (!looks_.empty() || !scenery_.empty()) rows.pieces.push_back({row, part});
+    }
+  };
+  for (std::size_t k = 0; k < scenery_.size(); ++k) {
+    const Id none{-1, static_cast<std::uint32_t>(k)};
+    add(none, -1, {"scenery", {}, Motion::Static, {}}, scenery_[k]);
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Id id{bodies[i].id.index, bodies[i].id.generation};
+    const auto look = looks_.find(id);
+    add(id, static_cast<int>(i), bodies[i], look == looks_.end() ? nullptr : look->second);
+  }
+  return rows;
+}
+
+io::RecordedFrame FrameSource::frameOf(int index) {
+  io::RecordedFrame frame = recording_.frame(index);
+  const std::vector<Piece>& pieces = rowsOf(index).pieces;
+  if (pieces.empty()) return frame;
+  std::vector<io::RecordedPose> poses;
+  for (const Piece& piece : pieces) {
+    const io::RecordedPose body = piece.row < 0 ? io::RecordedPose{}
+                                                : frame.poses[static_cast<std::size_t>(piece.row)];
+    poses.push_back(piece.part ? io::RecordedPose{body.position +
+                                                      rotate(body.orientation, piece.part->position),
+                                                  normalize(body.orientation * piece.part->orientation)}
+                               : body);
+  }
+  frame.poses = std::move(poses);
+  return frame;
+}
+
+FrameSource::FrameSource(io::RecordingReader& recording, const ExportOptions& options, bool withLooks)
     : recording_(recording), from_(options.from), every_(options.every), changes_(recording.changes()) {
   const int last = options.to < 0 ? recording.frameCount() - 1 : options.to;
   if (every_ < 1) throw Error("--every", "a number of frames above 0", std::to_string(every_));
@@ -36,22 +91,15 @@ FrameSource::FrameSource(io::RecordingReader& recording, const ExportOptions& op
   interval_ = recording.frame(next).time - recording.frame(from_).time;
   if (!(interval_ > 0)) interval_ = recording.header().dt;
 
-  std::map<std::pair<std::int32_t, std::uint32_t>, int> bodyNumber, softNumber;
-  std::set<std::string> bodyNames, softNames;
+  findLooks(withLooks);
+  std::map<Id, int> softNumber;
+  std::set<std::string> softNames;
   std::vector<std::size_t> used;
   for (std::size_t k = 0; k < changes_.size(); ++k) {
     Rows& rows = rows_.emplace_back();
     if (changes_[k] > last) break;
     if (k + 1 < changes_.size() && changes_[k + 1] <= from_) continue;
-    for (const io::RecordedBody& body : recording.bodies(changes_[k])) {
-      const auto [at, isNew] = bodyNumber.try_emplace({body.id.index, body.id.generation},
-                                                      static_cast<int>(cast_.bodies.size()));
-      if (isNew) {
-        cast_.bodies.push_back(body);
-        cast_.bodyNames.push_back(uniqueName(body.name, "body", body.id.index, bodyNames));
-      }
-      rows.bodies.push_back(at->second);
-    }
+    rows = bodyRows(recording.bodies(changes_[k]));
     for (const io::RecordedSoft& soft : recording.softs(changes_[k])) {
       const auto [at, isNew] = softNumber.try_emplace({soft.id.index, soft.id.generation},
                                                       static_cast<int>(cast_.softs.size()));
@@ -76,7 +124,7 @@ const FrameSource::Rows& FrameSource::rowsOf(int index) {
 
 ExportFrame FrameSource::read(int number) {
   const int index = from_ + number * every_;
-  io::RecordedFrame frame = recording_.frame(index);
+  io::RecordedFrame frame = frameOf(index);
   const Rows& rows = rowsOf(index);
   ExportFrame out;
   out.number = number;
@@ -99,7 +147,7 @@ void FrameSource::fillVelocities(int index, const io::RecordedFrame& frame, cons
   // Rows are made for the exported frames alone.
   if (before.bodies.empty() && before.softs.empty()) return;
   // decoding the chunk of frames before this one again would take as long as this one
-  if (lastIndex_ != other) last_ = recording_.frame(other);
+  if (lastIndex_ != other) last_ = frameOf(other);
   const io::RecordedFrame& neighbor = last_;
   const double apart = frame.time - neighbor.time;
   if (apart == 0) return;
@@ -123,10 +171,12 @@ void FrameSource::fillVelocities(int index, const io::RecordedFrame& frame, cons
     out.vertexVelocities[i] = (frame.vertices[i] - neighbor.vertices[i]) * rate;
 }
 
-Vec3 ExportJob::colorOf(const io::RecordedBody& body, const io::RecordedPose& pose) const {
+Vec3 ExportJob::colorOf(const CastBody& body, const io::RecordedPose& pose) const {
   if (!options.color) return kGray;
-  return options.color({body.shape, pose.position, pose.orientation, 0,
-                        static_cast<std::uint32_t>(body.id.index), body.motion});
+  io::PictureBody drawn{body.shape, pose.position, pose.orientation, 0,
+                        static_cast<std::uint32_t>(body.id.index), body.motion};
+  drawn.color = body.color;
+  return options.color(drawn);
 }
 
 Vec3 ExportJob::colorOf(const io::RecordedSoft& soft) const {
