@@ -55,7 +55,8 @@ struct rb_painter {
   void draw(const std::vector<io::PictureBody>& bodies, const Vec3& gravity, const Appearance& appearance,
             const rb_camera* view, rb_image* out) {
     render::Camera camera = cameraFor(bodies, gravity, view);
-    if (!painter) settings.appearance = appearance, painter = device->painter(bodies, gravity, camera, settings);
+    if (!painter)
+      settings.appearance = appearance, painter = device->painter(bodies, gravity, camera, settings);
     image = painter->paint(bodies, camera);
     need(out, "image") = {image.width, image.height, image.rgb.data()};
   }

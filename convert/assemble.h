@@ -23,12 +23,12 @@ struct Layout {
   std::vector<int> root;      ///< of each link: the link that its body is made of; -1: fixed to the world
   std::vector<Pose> inRoot;   ///< pose of each link in the frame of its root (of the world: of the file)
   std::vector<Pose> inWorld;  ///< at the beginning
-  std::vector<Vec3> velocity, angularVelocity;   ///< at the beginning, of their origins [m/s], [rad/s]
-  std::vector<int> bodyOf;                       ///< of each root: index of the body; -1 for others
-  std::vector<std::vector<int>> members;         ///< of each root: its links
-  std::vector<std::vector<int>> staticOf;        ///< of each link that is fixed to the world: its bodies
-  std::vector<std::vector<Contact>> contactsOf;  ///< of each body: those of its geoms
-  std::vector<int> jointOf;                      ///< of each link: its joint; -1: none
+  std::vector<Vec3> velocity, angularVelocity;        ///< at the beginning, of their origins [m/s], [rad/s]
+  std::vector<int> bodyOf;                            ///< of each root: index of the body; -1 for others
+  std::vector<std::vector<int>> members;              ///< of each root: its links
+  std::vector<std::vector<int>> staticOf;             ///< of each link that is fixed to the world: its bodies
+  std::vector<std::vector<Contact>> contactsOf;       ///< of each body: those of its geoms
+  std::vector<int> jointOf;                           ///< of each link: its joint; -1: none
   std::map<std::pair<int, int>, AxisReading> axisOf;  ///< of degrees of freedom
   std::vector<AxisReading> axisOfTendon;
 };
@@ -58,13 +58,14 @@ std::vector<SensorDef> sensorsOf(const Model& model, const Layout& layout, Repor
 /// A joint of the tree. Its bodies are left to the caller.
 struct TreeJoint {
   JointDef joint;
-  bool childIsA = true;                            ///< is the link body A?
+  bool childIsA = true;                      ///< is the link body A?
   std::vector<std::pair<int, double>> axes;  ///< of each degree of freedom: axis and sign; -1: none
 };
-/// The joint of a tendon, whose coordinate is `zero` where the joint has 0, or of a coupling that no gear or rack can be: nothing if its bodies are more than
-/// four, or for another reason, which is reported (assemble_tendons.cpp).
-std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Tendon& tendon,
-                                 double& zero, Report& report);
+/// The joint of a tendon, whose coordinate is `zero` where the joint has 0, or of a coupling that no gear or
+/// rack can be: nothing if its bodies are more than four, or for another reason, which is reported
+/// (assemble_tendons.cpp).
+std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Tendon& tendon, double& zero,
+                                 Report& report);
 std::optional<JointDef> cam(const Model& model, const Layout& layout, const Coupling& coupling,
                             Report& report);
 /// One joint of all degrees of freedom of a link (assemble_dofs.cpp).

@@ -45,8 +45,7 @@ class JointBuilder {
     for (std::size_t k = 0; k < axes.size(); ++k)
       if (axes[k].first >= 0)
         layout_.axisOf[{static_cast<int>(i), static_cast<int>(k)}] = {layout_.jointOf[i], axes[k].first,
-                                                                      axes[k].second,
-                                                                      link.dofs[k].reference};
+                                                                      axes[k].second, link.dofs[k].reference};
     for (const Dof& dof : link.dofs)
       report_.converted(dof.place, "joint" + inQuotes(dof.name), keyword(joint.type) + inQuotes(joint.name));
     scene_.joints.push_back(std::move(joint));

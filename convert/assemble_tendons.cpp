@@ -180,8 +180,8 @@ double startOf(const Layout& layout, const Tendon::Motion& motion) {
 
 }  // namespace
 
-std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Tendon& tendon,
-                                 double& zero, Report& report) {
+std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Tendon& tendon, double& zero,
+                                 Report& report) {
   TendonBuilder builder(model, layout);
   const auto lose = [&](const std::string& why) {
     report.note(why == kStill ? Effect::None : Effect::Lost, tendon.place, "tendon" + inQuotes(tendon.name),

@@ -300,15 +300,16 @@ class PhysicsReader {
     }
   }
   void addDrawn(std::size_t i, const GltfJson& index, const std::string& who) {
-    const GltfJson& parts = GltfFile::child(
-        file_.entry(GltfFile::child(file_.json(), "meshes"), index, who), "primitives");
+    const GltfJson& parts = GltfFile::child(file_.entry(GltfFile::child(file_.json(), "meshes"), index, who),
+                                            "primitives");
     Link& link = model_.links[static_cast<std::size_t>(std::max(linkOf_[i], 0))];
     const Affine toLink = Affine::of(inverse(link.pose)) * frameOf_[i];
     for (std::size_t k = 0; parts.is_array() && k < parts.size(); ++k) {
       TriangleMesh mesh = file_.mesh(index, who, folders_, k);
       for (Vec3& point : mesh.vertices) point = toLink * point;
       if (std::optional<Shape> shape = drawnMesh(std::move(mesh)))
-        link.drawn.push_back({std::move(*shape), {}, colorOf(GltfFile::child(parts[k], "material"), who), -1});
+        link.drawn.push_back(
+            {std::move(*shape), {}, colorOf(GltfFile::child(parts[k], "material"), who), -1});
     }
   }
 

@@ -1,4 +1,5 @@
 /// <attach>: bodies of another MJCF file, with what joins them, under a prefix.
+#include <algorithm>
 #include <map>
 
 #include <rubble/error.h>
@@ -9,6 +10,10 @@ namespace rubble::convert {
 namespace {
 
 constexpr int kMostLevels = 8;
+
+/// The name of something that an attached model has.
+std::string& nameOf(auto& each) { return each.name; }
+std::string& nameOf(SoftObject& each) { return common(each.object).name; }
 
 }  // namespace
 
@@ -119,10 +124,11 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   const auto takeOver = [&](auto& from, auto& to, const std::string& what, const auto& move) {
     for (auto& each : from) {
       if (!move(each)) {
-        report_.note(Effect::Lost, each.place, what + inQuotes(each.name), "its bodies are not all attached");
+        report_.note(Effect::Lost, each.place, what + inQuotes(nameOf(each)),
+                     "its bodies are not all attached");
         continue;
       }
-      each.name = named(each.name);
+      nameOf(each) = named(nameOf(each));
       to.push_back(std::move(each));
     }
   };
@@ -172,8 +178,19 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
     if (moveBody(each.first) && moveBody(each.second)) model_.exclusions.push_back(each);
   for (const ModelSensor& sensor : part.sensors)
     report_.note(Effect::None, sensor.place, sensor.what, "a sensor of an attached model");
-  for (const SoftObject& object : part.objects)
-    report_.note(Effect::Lost, object.place, "flexcomp", "a flexible object of an attached model");
+  // vertices are in the world of the part
+  const Pose partInWorld = referencePose(scope.link) * scope.pose;
+  takeOver(part.objects, model_.objects, "flexcomp", [&](SoftObject& object) {
+    if (!moveLink(object.link)) return false;
+    bool whole = true;
+    for (auto& [vertex, held] : object.pins) {
+      int at = std::max(held, 0);
+      whole = moveLink(at) && whole;
+      held = at == 0 ? -1 : at;
+    }
+    for (Vec3& vertex : common(object.object).vertices) vertex = partInWorld * vertex;
+    return whole;
+  });
   report_.converted(tag.place(), "attach" + inQuotes(name),
                     std::to_string(taken.size() - taken.count(0)) + " bodies");
 }

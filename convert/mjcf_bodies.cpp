@@ -50,7 +50,7 @@ void MjcfReader::readChildren(pugi::xml_node node, const MjcfScope& scope) {
     if (type == "site") {
       const Tag tag = tagOf(child, scope.childClass);
       if (const std::string name = tag.name(); !name.empty())
-        sites_[name + scope.suffix] = {scope.link, scope.pose * poseOf(tag), volumeOf(tag)};
+        sites_[name + scope.suffix] = {scope.link, scope.pose * poseOf(tag), siteVolume(tag)};
     }
   }
 }

@@ -94,8 +94,8 @@ void MjcfReader::readCamera(const Tag& tag, const MjcfScope& scope) {
   if (mode > 0) report_.note(Effect::None, tag.place(), "camera.mode", "the camera does not move");
   const double angle = tag.number("fovy", kUsualFieldOfView);
   if (!(angle > 0 && angle < 180)) tag.fail("fovy", "an angle above 0 and below 180", std::to_string(angle));
-  MjcfCamera& camera = cameras_.emplace_back(MjcfCamera{tag.name(), scope.link, scope.pose * poseOf(tag),
-                                                        angle * kDegree, "", -1, tag.place()});
+  MjcfCamera& camera = cameras_.emplace_back(
+      MjcfCamera{tag.name(), scope.link, scope.pose * poseOf(tag), angle * kDegree, "", -1, tag.place()});
   if (!camera.name.empty()) camera.name += scope.suffix;
   if (mode >= 3) camera.target = tag.need("target") + scope.suffix;
 }

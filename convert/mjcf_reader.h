@@ -280,7 +280,7 @@ class MjcfReader {
   // mjcf_sensors.cpp
   void readSensor(const Tag& tag);
   /// Of a site, which touch sensors measure in; nothing for shapes that they do not know.
-  static std::optional<Shape> volumeOf(const Tag& site);
+  static std::optional<Shape> siteVolume(const Tag& site);
   /// The frame of an object; nothing for types that have none here.
   std::optional<MjcfSite> frameOf(const Tag& tag, const char* typeKey, const char* nameKey) const;
   /// What a sensor of a joint, tendon or actuator reads. Returns why that is not possible, or nothing.
@@ -330,7 +330,7 @@ class MjcfReader {
   std::set<std::pair<std::pair<int, int>, int>> sharedCoordinates_, drivenCoordinates_;
   std::map<std::string, MjcfMaterial> materials_;
   std::map<std::string, Vec3> textures_;  ///< their mean colors
-  int level_ = 0;                     ///< of attached models
+  int level_ = 0;                         ///< of attached models
   bool foundKey_ = false;
 };
 

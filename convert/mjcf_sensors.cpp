@@ -9,18 +9,24 @@ namespace {
 
 using Type = SensorType;
 
-const std::map<std::string, Type, std::less<>> kAtSites{
-    {"accelerometer", Type::Acceleration}, {"gyro", Type::AngularRate}, {"velocimeter", Type::Velocity},
-    {"force", Type::Force},                {"torque", Type::Torque},    {"touch", Type::Touch},
-    {"rangefinder", Type::Range}};
-const std::map<std::string, Type, std::less<>> kOfFrames{
-    {"framepos", Type::Position},          {"framequat", Type::Orientation},
-    {"framexaxis", Type::XAxis},           {"frameyaxis", Type::YAxis},
-    {"framezaxis", Type::ZAxis},           {"framelinvel", Type::LinearVelocity},
-    {"frameangvel", Type::AngularVelocity}, {"framelinacc", Type::LinearAcceleration}};
+const std::map<std::string, Type, std::less<>> kAtSites{{"accelerometer", Type::Acceleration},
+                                                        {"gyro", Type::AngularRate},
+                                                        {"velocimeter", Type::Velocity},
+                                                        {"force", Type::Force},
+                                                        {"torque", Type::Torque},
+                                                        {"touch", Type::Touch},
+                                                        {"rangefinder", Type::Range}};
+const std::map<std::string, Type, std::less<>> kOfFrames{{"framepos", Type::Position},
+                                                         {"framequat", Type::Orientation},
+                                                         {"framexaxis", Type::XAxis},
+                                                         {"frameyaxis", Type::YAxis},
+                                                         {"framezaxis", Type::ZAxis},
+                                                         {"framelinvel", Type::LinearVelocity},
+                                                         {"frameangvel", Type::AngularVelocity},
+                                                         {"framelinacc", Type::LinearAcceleration}};
 const std::map<std::string, Type, std::less<>> kOfCoordinates{
-    {"jointpos", Type::JointPosition},   {"jointvel", Type::JointSpeed},
-    {"tendonpos", Type::JointPosition},  {"tendonvel", Type::JointSpeed},
+    {"jointpos", Type::JointPosition},    {"jointvel", Type::JointSpeed},
+    {"tendonpos", Type::JointPosition},   {"tendonvel", Type::JointSpeed},
     {"actuatorpos", Type::JointPosition}, {"actuatorvel", Type::JointSpeed},
     {"actuatorfrc", Type::DriveForce}};
 
@@ -28,7 +34,7 @@ constexpr const char* kNotMeasured = "what this sensor measures is not among the
 
 }  // namespace
 
-std::optional<Shape> MjcfReader::volumeOf(const Tag& site) {
+std::optional<Shape> MjcfReader::siteVolume(const Tag& site) {
   const std::vector<double> size = site.numbers("size", 1, 3).value_or(std::vector<double>{.005});
   const std::string type = site.text("type").value_or("sphere");
   const auto at = [&](std::size_t k) { return k < size.size() ? size[k] : 0; };
@@ -88,7 +94,8 @@ void MjcfReader::readSensor(const Tag& tag) {
     const MjcfSite& site = siteOf(tag, "site");
     sensor.type = found->second;
     mount(site, out.link, sensor.position, sensor.orientation);
-    if (sensor.type == Type::Touch && !site.volume) return unused("the volume of its site is none that is known");
+    if (sensor.type == Type::Touch && !site.volume)
+      return unused("the volume of its site is none that is known");
     if (site.volume) sensor.volume = *site.volume;
   } else if (const auto frame = kOfFrames.find(type); frame != kOfFrames.end()) {
     sensor.type = frame->second;

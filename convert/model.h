@@ -196,6 +196,7 @@ struct Tendon : Coordinate {
 /// A deformable object, with its vertices in the world.
 struct SoftObject {
   Place place;
+  int link = 0;  ///< that it is written in; 0: the world of MJCF
   Deformable object;
   std::vector<std::pair<int, int>> pins;  ///< a vertex, and the link that holds it
 };
@@ -203,11 +204,11 @@ struct SoftObject {
 /// A sensor. Frames are those of its links; bodies and joints are left to assemble().
 struct ModelSensor {
   Place place;
-  std::string what;              ///< "gyro 'imu'"
+  std::string what;  ///< "gyro 'imu'"
   SensorDef sensor;
-  int link = -1, reference = -1;     ///< -1: the world
-  std::pair<int, int> dof{-1, -1};   ///< link, index in its dofs; of a joint axis
-  int tendon = -1;                   ///< index of a tendon; of a joint axis
+  int link = -1, reference = -1;    ///< -1: the world
+  std::pair<int, int> dof{-1, -1};  ///< link, index in its dofs; of a joint axis
+  int tendon = -1;                  ///< index of a tendon; of a joint axis
 };
 
 struct ModelCamera {

@@ -190,8 +190,8 @@ class UrdfReader {
       std::optional<Shape> drawn;
       const bool isThere = readShape(Tag(source_, shape), geom, solid, drawn);
       if (isThere || drawn)
-        link.drawn.push_back({drawn.value_or(geom.shape), geom.pose, {},
-                              isThere ? static_cast<int>(link.geoms.size()) : -1});
+        link.drawn.push_back(
+            {drawn.value_or(geom.shape), geom.pose, {}, isThere ? static_cast<int>(link.geoms.size()) : -1});
       if (!isThere) continue;
       link.geoms.push_back(geom);
       solid_ += placed(solid, geom.pose.p, geom.pose.q, 1);
@@ -355,7 +355,7 @@ class UrdfReader {
   std::map<std::string, std::pair<int, int>> dofIndex_;
   std::vector<pugi::xml_node> mimics_;
   std::map<std::string, Vec3> colors_;  ///< of the materials of the robot
-  SolidSums solid_;  ///< of the collision shapes of the present link at density 1
+  SolidSums solid_;                     ///< of the collision shapes of the present link at density 1
 };
 
 /// A file that is not expanded has elements of xacro, or expressions.

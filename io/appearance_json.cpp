@@ -13,6 +13,18 @@ using Json = nlohmann::ordered_json;
 constexpr Want kShare{0, true, 1, "a number from 0 to 1"};
 constexpr Want kAngle{0, false, 180, "an angle above 0 and of at most 180 degrees"};
 constexpr double kDegree = std::numbers::pi / 180;
+/// A direction is taken as it is if its length is 1 to this much.
+constexpr double kUnit = 1e-12;
+
+/// Degrees that are read as that angle, bit for bit.
+double degreesOf(double angle) {
+  const double degrees = angle / kDegree;
+  for (const double towards : {0., kHard})
+    if (const double next = std::nextafter(degrees, towards);
+        degrees * kDegree != angle && next * kDegree == angle)
+      return next;
+  return degrees;
+}
 
 Json vectorJson(const Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -82,14 +94,15 @@ NamedCamera readNamedCamera(const Node& node) {
 
 Json namedCameraJson(const NamedCamera& camera) {
   Json json{{"name", camera.name}, {"eye", vectorJson(camera.eye)}, {"target", vectorJson(camera.target)}};
-  if (camera.fieldOfView) json["fov"] = *camera.fieldOfView / kDegree;
+  if (camera.fieldOfView) json["fov"] = degreesOf(*camera.fieldOfView);
   return json;
 }
 
 std::optional<Vec3> readDirection(const Node& node) {
   const auto v = node.vector();
   if (v && !(length(*v) > 0)) node.fault("a direction of some length");
-  return v && length(*v) > 0 ? std::optional(normalize(*v)) : std::nullopt;
+  if (!v || !(length(*v) > 0)) return std::nullopt;
+  return std::fabs(length(*v) - 1) <= kUnit ? *v : normalize(*v);
 }
 
 std::string appearanceText(const Appearance& appearance) {
@@ -107,7 +120,9 @@ std::optional<Appearance> appearanceOf(const std::string& text) {
   if (!json) return std::nullopt;
   Appearance out;
   ObjectReader object(Node(json->root(), "", faults), "an appearance");
-  const auto body = [](const Node& node) { return node.whole(kWorld, "the index of a body").value_or(kWorld); };
+  const auto body = [](const Node& node) {
+    return node.whole(kWorld, "the index of a body").value_or(kWorld);
+  };
   const auto shape = [](const Node& node) { return readShape(node, {}, readMaterial); };
   if (const auto list = object.need("looks", "a list of looks"))
     for (const Node& element : list->elements("a list of looks"))

@@ -4,8 +4,8 @@
 #include <map>
 #include <string>
 
-#include <nlohmann/json.hpp>
 #include <rubble/appearance.h>
+#include <nlohmann/json.hpp>
 
 #include "io/json_reader.h"
 

@@ -15,7 +15,8 @@ PictureBody partOf(const LookPart& part, PictureBody body) {
 
 }  // namespace
 
-LookTable::LookTable(std::vector<Look> looks, std::span<const PictureBody> atStart) : looks_(std::move(looks)) {
+LookTable::LookTable(std::vector<Look> looks, std::span<const PictureBody> atStart)
+    : looks_(std::move(looks)) {
   for (std::size_t i = 0; i < looks_.size(); ++i) {
     const auto isIts = [&](const PictureBody& body) {
       return !body.deforms && body.key == static_cast<std::uint32_t>(looks_[i].body);

@@ -24,7 +24,7 @@ struct PictureBody {
                          ///< list
   double value = 0;      ///< quantity shown by colors (picture_values.h); NaN: none
   std::vector<float> vertexValues =
-      {};  ///< likewise, of the points of a mesh that deforms; empty: `value` for all
+      {};                          ///< likewise, of the points of a mesh that deforms; empty: `value` for all
   std::optional<Vec3> color = {};  ///< red, green, blue, 0 to 1 (sRGB); none: the renderer chooses
 };
 /// The same geometry, in the same sizes?

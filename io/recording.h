@@ -21,11 +21,11 @@
 namespace rubble::io {
 
 struct RecordingHeader {
-  std::string scene;         ///< title of the run
-  double dt = 1.0 / 60;      ///< time between two steps [s]
-  Vec3 gravity;              ///< [m/s2]
-  double resolution = 1e-5;  ///< positions are rounded to multiples of this from where a chunk of frames
-                             ///< begins [m]
+  std::string scene;           ///< title of the run
+  double dt = 1.0 / 60;        ///< time between two steps [s]
+  Vec3 gravity;                ///< [m/s2]
+  double resolution = 1e-5;    ///< positions are rounded to multiples of this from where a chunk of frames
+                               ///< begins [m]
   Appearance appearance = {};  ///< with bodies by the index of their BodyId
 };
 
@@ -127,6 +127,8 @@ class RecordingReader {
   std::uint64_t intactBytes() const;
   int frameCount() const;
   RecordedFrame frame(int index);
+  /// The same, valid until the next call.
+  const RecordedFrame& view(int index);
   /// The tables of a frame, without a look at its poses. Valid until the next call.
   const std::vector<RecordedBody>& bodies(int frameIndex);
   const std::vector<RecordedSoft>& softs(int frameIndex);

@@ -178,7 +178,8 @@ Json SceneWriter::claim(const FileClaim& claim) const {
 
 Json SceneWriter::write() {
   const Scene& scene = file_.scene;
-  for (const BodyDef& body : scene.bodies) nameMaterial(body.material), nameShape(body.shape), countName(body);
+  for (const BodyDef& body : scene.bodies)
+    nameMaterial(body.material), nameShape(body.shape), countName(body);
   for (const Deformable& object : scene.deformables) nameMaterial(common(object).material);
   for (const Event& event : scene.events)
     for (const BodyDef& body : event.add) nameMaterial(body.material), nameShape(body.shape);
@@ -220,8 +221,7 @@ Json SceneWriter::write() {
         added, [&](int body) { return bodyReference(body); }, [](int joint) { return Json(joint); }));
   for (const Look& added : file_.appearance.looks)
     json["looks"].push_back(lookJson(added, bodyReference(added.body), shapeNames_));
-  for (const NamedCamera& added : file_.appearance.cameras)
-    json["cameras"].push_back(namedCameraJson(added));
+  for (const NamedCamera& added : file_.appearance.cameras) json["cameras"].push_back(namedCameraJson(added));
   for (const FileClaim& added : file_.claims) json["verdict"].push_back(claim(added));
   return json;
 }

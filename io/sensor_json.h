@@ -2,8 +2,8 @@
 /// Sensors of scene files.
 #include <functional>
 
-#include <nlohmann/json.hpp>
 #include <rubble/sensors.h>
+#include <nlohmann/json.hpp>
 
 #include "io/json_reader.h"
 

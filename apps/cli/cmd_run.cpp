@@ -23,9 +23,8 @@ struct RunOptions {
 };
 
 int run(RunOptions options) {
-  for (std::string* file :
-       {&options.jsonFile, &options.recordFile, &options.inputsFile, &options.sensorFile,
-        &options.picture.file})
+  for (std::string* file : {&options.jsonFile, &options.recordFile, &options.inputsFile, &options.sensorFile,
+                            &options.picture.file})
     *file = outputOfProcess(*file);
   if (options.checkpointFile.empty() != (options.checkpointInterval == 0))
     throw Error("--checkpoint", "a file and --every N", "one of them");

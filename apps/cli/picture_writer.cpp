@@ -13,8 +13,8 @@ constexpr int kSamplesGpu = 32, kSamplesSoftware = 8;
 }  // namespace
 
 PictureWriter::PictureWriter(const std::vector<PictureRequest>& requests, const Look& look,
-                             const Vec3& gravity, const scenes::Camera& camera,
-                             const Appearance& appearance, const std::vector<io::PictureBody>& atStart)
+                             const Vec3& gravity, const scenes::Camera& camera, const Appearance& appearance,
+                             const std::vector<io::PictureBody>& atStart)
     : look_(look), gravity_(gravity), camera_(camera) {
   if (requests.empty()) return;
   for (const PictureRequest& request : requests)

@@ -45,8 +45,8 @@ class Side {
     const std::vector<NamedCamera>& own = source_->appearance().cameras;
     const auto named = std::ranges::find(own, options_.camera, &NamedCamera::name);
     if (named != own.end()) named_ = *named;
-    plan_.emplace(planOf(named_ ? "scene" : options_.camera, *source_, moments, width_, height_,
-                         options_.fieldOfView));
+    plan_.emplace(
+        planOf(named_ ? "scene" : options_.camera, *source_, moments, width_, height_, options_.fieldOfView));
     render::PaintSettings settings{width_, height_, samples_, options_.colorBy, options_.colorMax};
     settings.background = options_.background;
     settings.transparent = options_.transparent;

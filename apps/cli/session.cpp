@@ -27,7 +27,8 @@ class Recorder {
     io::requireRecordingName(file);
     learn(world);
     const double resolution = io::recordingResolution(bodies_, io::recordedSofts(world));
-    writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), resolution, appearance});
+    writer_.emplace(file,
+                    io::RecordingHeader{title, world.params().dt, world.gravity(), resolution, appearance});
     record(world);
   }
 
@@ -162,7 +163,8 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   Progress progress(prepared.title, prepared.steps, options.quiet);
   const bool draws = !options.pictures.empty();
   PictureWriter pictures(options.pictures, options.look, runner.world().gravity(), runner.job().camera,
-                         runner.job().appearance, draws ? io::pictureBodies(runner.world()) : std::vector<io::PictureBody>());
+                         runner.job().appearance,
+                         draws ? io::pictureBodies(runner.world()) : std::vector<io::PictureBody>());
   const auto takePictures = [&](const World& world, int stepsTaken) {
     if (pictures.isDue(stepsTaken)) pictures.take(stepsTaken, io::pictureBodies(world, options.look.colorBy));
   };

@@ -1,5 +1,6 @@
 #include "convert/out/export.h"
 
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <future>
@@ -54,16 +55,18 @@ ExportResult exportRecording(io::RecordingReader& recording, const std::string& 
   const int count = source.count();
   result.kept = writer->kept();
   // The next frame is decoded while one is written.
+  std::array<ExportFrame, 2> frames;
   const auto readFrame = [&](int number) {
-    return std::async(std::launch::async, [&source, number] { return source.read(number); });
+    ExportFrame& into = frames[static_cast<std::size_t>(number % 2)];
+    return std::async(std::launch::async, [&source, number, &into] { source.read(number, into); });
   };
-  std::future<ExportFrame> next;
+  std::future<void> next;
   if (result.kept < count) next = readFrame(result.kept);
   for (int number = result.kept; number < count; ++number) {
-    const ExportFrame frame = next.get();
+    next.get();
     if (number + 1 < count) next = readFrame(number + 1);
     const Clock::time_point start = Clock::now();
-    writer->write(frame);
+    writer->write(frames[static_cast<std::size_t>(number % 2)]);
     result.writeSeconds += secondsSince(start);
     ++result.frames;
     if (options.progress) options.progress(number + 1, count);

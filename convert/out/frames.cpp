@@ -62,21 +62,22 @@ FrameSource::Rows FrameSource::bodyRows(const std::vector<io::RecordedBody>& bod
   return rows;
 }
 
-io::RecordedFrame FrameSource::frameOf(int index) {
-  io::RecordedFrame frame = recording_.frame(index);
+const io::RecordedFrame& FrameSource::frameOf(int index) {
+  const io::RecordedFrame& frame = recording_.view(index);
   const std::vector<Piece>& pieces = rowsOf(index).pieces;
   if (pieces.empty()) return frame;
-  std::vector<io::RecordedPose> poses;
+  pieced_.step = frame.step, pieced_.time = frame.time, pieced_.vertices = frame.vertices;
+  pieced_.poses.clear();
   for (const Piece& piece : pieces) {
     const io::RecordedPose body = piece.row < 0 ? io::RecordedPose{}
                                                 : frame.poses[static_cast<std::size_t>(piece.row)];
-    poses.push_back(piece.part ? io::RecordedPose{body.position +
-                                                      rotate(body.orientation, piece.part->position),
-                                                  normalize(body.orientation * piece.part->orientation)}
-                               : body);
+    pieced_.poses.push_back(body);
+    if (!piece.part) continue;
+    io::RecordedPose& pose = pieced_.poses.back();
+    pose.position += rotate(body.orientation, piece.part->position);
+    pose.orientation = normalize(body.orientation * piece.part->orientation);
   }
-  frame.poses = std::move(poses);
-  return frame;
+  return pieced_;
 }
 
 FrameSource::FrameSource(io::RecordingReader& recording, const ExportOptions& options, bool withLooks)
@@ -122,59 +123,66 @@ const FrameSource::Rows& FrameSource::rowsOf(int index) {
   return rows_[static_cast<std::size_t>(next - changes_.begin()) - 1];
 }
 
-ExportFrame FrameSource::read(int number) {
+int FrameSource::neighborOf(int index) const {
+  return index > 0 ? index - 1 : std::min(1, recording_.frameCount() - 1);
+}
+
+void FrameSource::keep(int index, const io::RecordedFrame& frame) {
+  last_.index = index, last_.time = frame.time;
+  last_.positions.resize(frame.poses.size());
+  for (std::size_t i = 0; i < frame.poses.size(); ++i) last_.positions[i] = frame.poses[i].position;
+  last_.vertices = frame.vertices;
+}
+
+void FrameSource::read(int number, ExportFrame& out) {
   const int index = from_ + number * every_;
-  io::RecordedFrame frame = frameOf(index);
   const Rows& rows = rowsOf(index);
-  ExportFrame out;
+  // frames that are read one by one have their neighbor; reading it again would take as long as this one
+  if (const int other = neighborOf(index); last_.index != other) keep(other, frameOf(other));
+  const io::RecordedFrame& frame = frameOf(index);
   out.number = number;
   out.newObjects = number == 0 || &rows != &rowsOf(index - every_);
   out.step = frame.step, out.time = frame.time;
   out.bodies = rows.bodies, out.softs = rows.softs;
-  if (!rows.softs.empty()) out.looks = recording_.softs(index);
+  out.poses = frame.poses, out.vertices = frame.vertices;
   fillVelocities(index, frame, rows, out);
-  last_ = frame, lastIndex_ = index;
-  out.poses = std::move(frame.poses), out.vertices = std::move(frame.vertices);
-  return out;
+  keep(index, frame);
+  if (!rows.softs.empty()) out.looks = recording_.softs(index);
 }
 
 void FrameSource::fillVelocities(int index, const io::RecordedFrame& frame, const Rows& rows,
                                  ExportFrame& out) {
-  out.velocities.assign(frame.poses.size(), {});
+  const Rows& before = rowsOf(neighborOf(index));
+  const double apart = frame.time - last_.time;
+  const bool sameBodies = &before == &rows || before.bodies == rows.bodies;
+  out.velocities.resize(frame.poses.size());
+  if (!sameBodies || apart == 0) std::fill(out.velocities.begin(), out.velocities.end(), Vec3{});
   out.vertexVelocities.assign(frame.vertices.size(), {});
-  const int other = index > 0 ? index - 1 : std::min(1, recording_.frameCount() - 1);
-  const Rows& before = rowsOf(other);
   // Rows are made for the exported frames alone.
-  if (before.bodies.empty() && before.softs.empty()) return;
-  // decoding the chunk of frames before this one again would take as long as this one
-  if (lastIndex_ != other) last_ = frameOf(other);
-  const io::RecordedFrame& neighbor = last_;
-  const double apart = frame.time - neighbor.time;
-  if (apart == 0) return;
+  if (apart == 0 || (before.bodies.empty() && before.softs.empty())) return;
   const double rate = 1 / apart;
-  if (&before == &rows || before.bodies == rows.bodies) {
+  if (sameBodies) {
     for (std::size_t i = 0; i < frame.poses.size(); ++i)
-      out.velocities[i] = (frame.poses[i].position - neighbor.poses[i].position) * rate;
+      out.velocities[i] = (frame.poses[i].position - last_.positions[i]) * rate;
   } else {
     std::vector<int> rowOf(cast_.bodies.size(), -1);
     for (std::size_t i = 0; i < before.bodies.size(); ++i)
       rowOf[static_cast<std::size_t>(before.bodies[i])] = static_cast<int>(i);
     for (std::size_t i = 0; i < frame.poses.size(); ++i) {
       const int row = rowOf[static_cast<std::size_t>(rows.bodies[i])];
-      if (row < 0) continue;
-      const Vec3& from = neighbor.poses[static_cast<std::size_t>(row)].position;
-      out.velocities[i] = (frame.poses[i].position - from) * rate;
+      if (row >= 0)
+        out.velocities[i] = (frame.poses[i].position - last_.positions[static_cast<std::size_t>(row)]) * rate;
     }
   }
-  if (before.softs != rows.softs || neighbor.vertices.size() != frame.vertices.size()) return;
+  if (before.softs != rows.softs || last_.vertices.size() != frame.vertices.size()) return;
   for (std::size_t i = 0; i < frame.vertices.size(); ++i)
-    out.vertexVelocities[i] = (frame.vertices[i] - neighbor.vertices[i]) * rate;
+    out.vertexVelocities[i] = (frame.vertices[i] - last_.vertices[i]) * rate;
 }
 
 Vec3 ExportJob::colorOf(const CastBody& body, const io::RecordedPose& pose) const {
   if (!options.color) return kGray;
-  io::PictureBody drawn{body.shape, pose.position, pose.orientation, 0,
-                        static_cast<std::uint32_t>(body.id.index), body.motion};
+  io::PictureBody drawn{
+      body.shape, pose.position, pose.orientation, 0, static_cast<std::uint32_t>(body.id.index), body.motion};
   drawn.color = body.color;
   return options.color(drawn);
 }

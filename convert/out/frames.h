@@ -54,7 +54,8 @@ class FrameSource {
   int count() const { return count_; }
   /// Time from one frame to the next [s].
   double interval() const { return interval_; }
-  ExportFrame read(int number);
+  /// Reads a frame into one that is not needed any more.
+  void read(int number, ExportFrame& out);
 
  private:
   /// A part that is drawn: the row of its body in the recording, and its pose there.
@@ -68,9 +69,18 @@ class FrameSource {
   };
   void findLooks(bool withLooks);
   Rows bodyRows(const std::vector<io::RecordedBody>& bodies);
-  /// A frame with a pose for each of its rows.
-  io::RecordedFrame frameOf(int index);
+  /// A frame with a pose for each of its rows, valid until the next call.
+  const io::RecordedFrame& frameOf(int index);
+  /// Places of a frame, for the velocities of another one.
+  struct Places {
+    int index = -1;  ///< -1: none
+    double time = 0;
+    std::vector<Vec3> positions, vertices;
+  };
+  void keep(int index, const io::RecordedFrame& frame);
   const Rows& rowsOf(int index);
+  /// The frame that velocities of another one are measured from.
+  int neighborOf(int index) const;
   void fillVelocities(int index, const io::RecordedFrame& frame, const Rows& rows, ExportFrame& out);
 
   io::RecordingReader& recording_;
@@ -78,14 +88,14 @@ class FrameSource {
   double interval_ = 0;
   Cast cast_;
   using Id = std::pair<std::int32_t, std::uint32_t>;
-  std::map<Id, const Look*> looks_;          ///< of bodies
-  std::vector<const Look*> scenery_;         ///< of the world
+  std::map<Id, const Look*> looks_;             ///< of bodies
+  std::vector<const Look*> scenery_;            ///< of the world
   std::map<Id, std::vector<int>> bodyNumbers_;  ///< in Cast::bodies
   std::set<std::string> names_;                 ///< of these
   std::vector<int> changes_;
-  std::vector<Rows> rows_;  ///< of the tables that begin at each of `changes_`
-  io::RecordedFrame last_;  ///< the frame that was read last
-  int lastIndex_ = -1;      ///< its index
+  std::vector<Rows> rows_;    ///< of the tables that begin at each of `changes_`
+  Places last_;               ///< of the frame that was read last, or of a neighbor
+  io::RecordedFrame pieced_;  ///< with the poses of drawn parts
 };
 
 /// Writes one format. Frames come in order.

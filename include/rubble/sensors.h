@@ -44,9 +44,9 @@ int readingSize(SensorType type);
 struct SensorDef {
   std::string name;
   SensorType type = SensorType::Acceleration;
-  int body = kWorld;    ///< index into Scene::bodies
-  Vec3 position;        ///< of the frame, in that of the body [m]
-  Quat orientation;     ///< frame -> body
+  int body = kWorld;          ///< index into Scene::bodies
+  Vec3 position;              ///< of the frame, in that of the body [m]
+  Quat orientation;           ///< frame -> body
   int reference = kWorld;     ///< body of the reference frame
   Vec3 referencePosition;     ///< in the frame of that body [m]
   Quat referenceOrientation;  ///< reference frame -> body

@@ -87,8 +87,8 @@ bool meets(const Shape& volume, const Vec3& p, const Vec3& d) {
     case ShapeType::Box:
       return meetsBox(p, d, volume.halfExtents);
     case ShapeType::Capsule:
-      return meetsCylinder(p, d, volume.radius, volume.halfLength) ||
-             meetsBall(p - end, d, volume.radius) || meetsBall(p + end, d, volume.radius);
+      return meetsCylinder(p, d, volume.radius, volume.halfLength) || meetsBall(p - end, d, volume.radius) ||
+             meetsBall(p + end, d, volume.radius);
     default:
       return meetsCylinder(p, d, volume.radius, volume.halfLength);
   }
@@ -167,12 +167,12 @@ Sensors::Sensors(std::vector<SensorDef> sensors, const World& world) : impl_(std
         out.center = massProperties(world.definition(body).shape, 1).center;
       return out;
     };
-    Impl::Own own{mountOf(bodyAt(sensor.body, "body"), sensor.position, sensor.orientation),
-                  mountOf(bodyAt(sensor.reference, "reference"), sensor.referencePosition,
-                          sensor.referenceOrientation),
-                  {},
-                  first,
-                  {}};
+    Impl::Own own{
+        mountOf(bodyAt(sensor.body, "body"), sensor.position, sensor.orientation),
+        mountOf(bodyAt(sensor.reference, "reference"), sensor.referencePosition, sensor.referenceOrientation),
+        {},
+        first,
+        {}};
     if (readsJoint(sensor.type)) {
       if (sensor.joint < 0 || sensor.joint >= static_cast<int>(joints.size()))
         throw Error(path + "joint", "one of " + std::to_string(joints.size()) + " joints",
@@ -300,7 +300,8 @@ void Sensors::Impl::measure(World& world, const SensorDef& sensor, Own& state, d
       out[0] = sensor.scale * axis().speed + sensor.offset;
       break;
     case SensorType::DriveForce: {
-      const double motor = world.definition(state.joint).axes[static_cast<std::size_t>(sensor.axis)].motorForce;
+      const double
+          motor = world.definition(state.joint).axes[static_cast<std::size_t>(sensor.axis)].motorForce;
       out[0] = sensor.scale * (axis().driveForce + motor) + sensor.offset;
       break;
     }

@@ -343,6 +343,49 @@ def compare_rest(rubble, name, key, bodies, folder, seconds=3.0, most=2e-4):
         problems.append(f"{name} {key}: at rest {1000 * worst:.2f} mm from MuJoCo, at most {1000 * most:.2f}")
 
 
+def compare_sensors(rubble, name, folder, seconds=0.4, most=5e-3):
+    """Readings after a time, over the largest one of each sensor until then."""
+    file = MODELS / (name + ".xml")
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    steps, substeps = 40, 10
+    dt = seconds / steps / substeps
+    model.opt.timestep, model.opt.integrator = dt, mujoco.mjtIntegrator.mjINT_RK4
+    theirs = []
+    for _ in range(steps * substeps):
+        mujoco.mj_step(model, data)
+        mujoco.mj_forward(model, data)
+        theirs.append(data.sensordata.copy())
+    theirs = np.array(theirs)
+    import_scene(rubble, file, folder)
+    readings = folder / "readings.csv"
+    run(rubble, "run", folder / (name + ".json"), "--backend", "reference", "--dt", dt, "--steps", len(theirs),
+        "--iterations", "20", "-q", "--sensors", readings)
+    with open(readings, encoding="utf-8") as lines:
+        names = lines.readline().strip().split(",")
+    own = np.loadtxt(readings, delimiter=",", skiprows=1)[1:]
+    compared, worst = 0, 0.0
+    for index in range(model.nsensor):
+        sensor = model.sensor(index)
+        columns = [k for k, column in enumerate(names) if column.split(".")[0] == sensor.name]
+        if not columns:
+            continue
+        at = model.sensor_adr[index]
+        expected = theirs[:, at:at + len(columns)]
+        if sensor.name == "tip_turn" and expected[-1] @ own[-1, columns] < 0:
+            expected = -expected
+        # contacts settle in MuJoCo, and its forces are those of the instant
+        last = slice(-20, None)
+        error = np.abs(own[last, columns].mean(0) - expected[last].mean(0)).max()
+        scale = max(np.abs(expected).max(), 1e-3)
+        compared, worst = compared + len(columns), max(worst, error / scale)
+        if not error < most * scale:
+            problems.append(f"{name} {sensor.name}: {own[last, columns].mean(0)} here, "
+                            f"{expected[last].mean(0)} in MuJoCo")
+    print(f"oracle: {compared} readings of {name}: at most {100 * worst:.3f} % from MuJoCo")
+    counts["readings"] = compared
+
+
 def main():
     rubble = str(pathlib.Path(sys.argv[1]).resolve())
     files = [pathlib.Path(f).resolve() for f in sys.argv[2:]]
@@ -370,6 +413,7 @@ def main():
             compare_motion(rubble, "two_tendons", ["a", "b", "c", "d"], 0.6, folder)
             compare_motion(rubble, "telescope", ["s1", "s4", "h1", "h4"], 0.4, folder)
             compare_motion(rubble, "cable", ["link2", "link6", "link11"], 0.96, folder)
+            compare_sensors(rubble, "sensors", folder)
             compare_rest(rubble, "soft_limits", "", ["slide", "flap", "tip", "a", "b", "ball"], folder)
             compare_rest(rubble, "drone", "hover", ["drone"], folder)
             compare_rest(rubble, "gripper", "half", ["left_follower", "right_follower"], folder, most=1e-3)
