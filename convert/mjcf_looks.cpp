@@ -13,7 +13,7 @@ namespace {
 constexpr int kLastShownGroup = 2;
 constexpr int kLowestGroup = -1000, kHighestGroup = 1000;
 /// The color of a geom that says nothing of it.
-constexpr std::array<double, 4> kUsualColor{.5, .5, .5, 1};
+constexpr std::array<double, 4> kUsualColor{0.5, 0.5, 0.5, 1};
 constexpr double kUsualFieldOfView = 45;  // degrees
 constexpr double kDegree = std::numbers::pi / 180;
 

@@ -112,6 +112,8 @@ const Reasons& anywhere() {
       {"actearly", {Effect::None, "when activations act"}},
       {"timeconst", {Effect::None, "time constants of activations, which stay as they are"}},
       {"delay", {Effect::Lost, "delay of a control"}},
+      {"noise", {Effect::None, "readings have no noise"}},
+      {"interval", {Effect::None, "there is a reading for each step"}},
       {"nsample", {Effect::None, "history of a control"}},
       {"interp", {Effect::None, "history of a control"}},
   };

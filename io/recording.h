@@ -1,11 +1,10 @@
 #pragma once
 /// Trajectory files: positions of all bodies and of the vertices of all deformable objects in every frame,
 /// compressed. A file can be read from any frame on, and also after a run that was killed. A file is a
-/// sequence of chunks, each with a checksum. HEAD describes the run, LOOK its appearance, if it
-/// has one. BODY has the bodies and deformable
-/// objects of the frames that follow. FRAM has up to 32 frames. INDX at the end lists the FRAM chunks, and a
-/// footer points to it. A file without an index is read by walking over its chunks; a truncated last chunk
-/// is ignored. Files of version 1 have no deformable objects.
+/// sequence of chunks, each with a checksum. HEAD describes the run, LOOK its appearance, if it has one. BODY
+/// has the bodies and deformable objects of the frames that follow. FRAM has up to 32 frames. INDX at the end
+/// lists the FRAM chunks, and a footer points to it. A file without an index is read by walking over its
+/// chunks; a truncated last chunk is ignored. Files of version 1 have no deformable objects.
 #include <cstdint>
 #include <fstream>
 #include <memory>

@@ -235,6 +235,25 @@ def compare_geoms(model, data, scene, name):
             check(label.replace("geom", "axis of geom", 1), abs(z @ theirs), 1)
 
 
+def compare_looks(model, scene, name):
+    """Colors of what the viewer of MuJoCo shows, apart from its usual gray and from textures."""
+    gray, own, theirs = (0.5, 0.5, 0.5), [], []
+    for look in scene.get("looks", []):
+        own += [tuple(np.round(part["color"], 5)) for part in look["parts"] if "color" in part]
+    for index in range(model.ngeom):
+        color, material = model.geom_rgba[index], model.geom_matid[index]
+        if material >= 0 and model.mat_texid[material].max() >= 0:
+            continue
+        if material >= 0 and np.allclose(color, [*gray, 1]):
+            color = model.mat_rgba[material]
+        if 0 <= model.geom_group[index] <= 2 and color[3] > 0:
+            theirs.append(tuple(np.round(color[:3].astype(float), 5)))
+    plain = [c for c in theirs if c != gray]
+    if sorted(c for c in own if c in plain) != sorted(plain):
+        problems.append(f"{name}: colors {sorted(own)} here, {sorted(plain)} in MuJoCo")
+    counts["colors"] = counts.get("colors", 0) + 3 * len(plain)
+
+
 def import_scene(rubble, file, folder, *options):
     scene = folder / (file.stem + ".json")
     run(rubble, "import", file, "-q", "-o", scene, *options)
@@ -265,6 +284,8 @@ def compare(rubble, file, folder):
     compare_joints(model, data, scene, name)
     compare_tendons(model, scene, name)
     compare_geoms(model, data, scene, name)
+    if file.suffix == ".xml":
+        compare_looks(model, scene, name)
 
 
 def positions(rubble, scene, bodies, steps, dt, folder, iterations="8"):
