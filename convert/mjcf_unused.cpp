@@ -9,7 +9,6 @@ constexpr const char* kLook = "how it looks";
 constexpr const char* kLight = "a further light; pictures have one sun";
 constexpr const char* kSolver = "settings of the solver of MuJoCo";
 constexpr const char* kSoft = "softness of constraints in MuJoCo; here they are hard";
-constexpr const char* kReading = "readings; the state of bodies and joints is in the interface of World";
 
 /// Elements that are not converted, with everything in them.
 const Reasons& elements() {
@@ -23,7 +22,6 @@ const Reasons& elements() {
       {"texture", {Effect::None, kLook}},
       {"material", {Effect::None, kLook}},
       {"skin", {Effect::None, kLook}},
-      {"sensor", {Effect::None, kReading}},
       {"lengthrange", {Effect::None, "ranges of muscles"}},
       {"deformable", {Effect::Lost, "flexible objects of single bodies; author them as flexcomp"}},
       {"composite", {Effect::Lost, "composite objects"}},

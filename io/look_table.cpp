@@ -37,8 +37,11 @@ std::vector<PictureBody> LookTable::applied(std::span<const PictureBody> bodies)
   for (const PictureBody& body : bodies) {
     const auto found = std::ranges::lower_bound(known_, body.key, {},
                                                 &std::pair<std::uint32_t, Known>::first);
-    if (found == known_.end() || found->first != body.key || !sameShape(found->second.shape, body.shape)) {
-      out.push_back(body);
+    const bool isKnown = found != known_.end() && found->first == body.key &&
+                         (body.isWheel || sameShape(found->second.shape, body.shape));
+    if (!isKnown) {
+      // a scene with looks says itself what its machines look like
+      if (known_.empty() || body.key < kStandKeys || body.key >= kSoftKeys) out.push_back(body);
       continue;
     }
     for (const LookPart& part : looks_[found->second.look].parts) out.push_back(partOf(part, body));

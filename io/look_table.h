@@ -19,7 +19,8 @@ class LookTable {
   LookTable(std::vector<Look> looks, std::span<const PictureBody> atStart);
 
   bool empty() const { return looks_.empty(); }
-  /// Parts have the key, speed and value of their body. Those of the world come first.
+  /// Parts have the key, speed and value of their body. Those of the world come first. Stands of
+  /// hinges, which are made up, are left out where any body has a look.
   std::vector<PictureBody> applied(std::span<const PictureBody> bodies) const;
 
  private:

@@ -183,6 +183,9 @@ TEST(Looks, APartFollowsItsBodyAndABodyOfAnotherShapeHasNone) {
   expectNear(drawn[0].position, {7, 0, 0});
   expectNear(drawn[1].position, {0, 1, 2}, 1e-9);
   EXPECT_EQ(drawn[1].key, 4u);
+  io::PictureBody stand;
+  stand.key = io::kStandKeys;
+  EXPECT_EQ(table.applied(std::vector{body, stand}).size(), 2u);
   body.shape = Shape::sphere(2);
   EXPECT_EQ(table.applied(std::vector{body}).back().shape.radius, 2);
 }

@@ -369,7 +369,7 @@ def compare_sensors(rubble, name, folder, seconds=0.4, most=5e-3):
     file = MODELS / (name + ".xml")
     model = mujoco.MjModel.from_xml_path(str(file))
     data = mujoco.MjData(model)
-    steps, substeps = 40, 10
+    steps, substeps = 40, 40
     dt = seconds / steps / substeps
     model.opt.timestep, model.opt.integrator = dt, mujoco.mjtIntegrator.mjINT_RK4
     theirs = []
