@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "io/output_file.h"
 
@@ -44,7 +45,13 @@ class Side {
   void plan(std::span<const std::vector<io::PictureBody>> moments) {
     const std::vector<NamedCamera>& own = source_->appearance().cameras;
     const auto named = std::ranges::find(own, options_.camera, &NamedCamera::name);
-    if (named != own.end()) named_ = *named;
+    if (named != own.end()) {
+      named_ = *named;
+    } else if (std::ranges::count(cameraNames(), options_.camera) == 0) {
+      std::vector<std::string> known = cameraNames();
+      for (const NamedCamera& camera : own) known.push_back(camera.name);
+      throw Error("--camera", fmt::format("one of {}", fmt::join(known, ", ")), options_.camera);
+    }
     plan_.emplace(
         planOf(named_ ? "scene" : options_.camera, *source_, moments, width_, height_, options_.fieldOfView));
     render::PaintSettings settings{width_, height_, samples_, options_.colorBy, options_.colorMax};

@@ -116,7 +116,7 @@ TEST(SensorsOfModels, TouchAndRangeMeasureWhatIsBelow) {
                "pos='0 0 -.1'/><site name='top' type='box' size='.1 .1 .02' pos='0 0 3'/></body>"
                "<site name='eye' pos='2 0 4' euler='180 0 0'/>",
                "<sensor><touch name='t' site='pad'/><rangefinder name='r' site='eye'/>"
-               "<rangefinder name='n' site='pad'/></sensor>")),
+               "<rangefinder name='n' site='top'/></sensor>")),
       0.5);
   EXPECT_NEAR(readings["t"][0], 3 * 9.81, 0.1);
   EXPECT_NEAR(readings["r"][0], 4, 1e-6);
