@@ -13,6 +13,12 @@ struct LastError {
   std::string message, path, expected, found;
   rb_error plain{RB_OK, "", "", "", ""};
 
+  /// Where there is no memory for texts.
+  rb_status setOutOfMemory() noexcept {
+    plain = {RB_OUT_OF_MEMORY, "out of memory", "", "", ""};
+    return RB_OUT_OF_MEMORY;
+  }
+
   rb_status set(rb_status status, const char* text, const Error* error = nullptr) {
     message = text;
     path = error ? error->path() : "";
@@ -49,14 +55,14 @@ rb_status currentFailure() noexcept {
     } catch (const Error& error) {
       return lastError().set(RB_INVALID, error.what(), &error);
     } catch (const std::bad_alloc&) {
-      return lastError().set(RB_OUT_OF_MEMORY, "out of memory");
+      return lastError().setOutOfMemory();
     } catch (const std::exception& error) {
       return lastError().set(RB_FAILED, error.what());
     } catch (...) {
       return lastError().set(RB_FAILED, "unknown failure");
     }
   } catch (...) {
-    return RB_OUT_OF_MEMORY;  // not even the message can be stored
+    return lastError().setOutOfMemory();
   }
 }
 
@@ -107,18 +113,13 @@ SensorArray sensorArrayOf(std::int32_t which) {
 }
 
 QueryFilter filterOf(const rb_query_filter& filter) {
-  return {filter.layers, filter.mask, filter.sensors != 0, idOf(filter.ignore)};
+  return {filter.layers,           filter.mask,
+          filter.sensors != 0,     idOf(filter.ignore),
+          filter.deformables != 0, idOf(filter.ignore_object)};
 }
 
 RayQuery queryOf(const rb_ray& ray) {
   return {vec(ray.origin), vec(ray.direction), ray.max_distance, filterOf(ray.filter)};
-}
-
-rb_ray_hit toC(const RayHit& hit) {
-  rb_ray_hit out{};
-  out.hit = hit.hit, out.body = idOf(hit.body), out.distance = hit.distance;
-  store(hit.position, out.position), store(hit.normal, out.normal);
-  return out;
 }
 
 rb_mass toC(const MassProperties& mass) {
@@ -146,7 +147,8 @@ rb_joint_state toC(const JointState& state) {
   out.axis_count = static_cast<std::int32_t>(std::min(state.axes.size(), std::size(out.axes)));
   for (std::int32_t k = 0; k < out.axis_count; ++k) {
     const JointAxisState& axis = state.axes[static_cast<std::size_t>(k)];
-    out.axes[k] = {axis.position, axis.speed, axis.limitForce, axis.driveForce, axis.frictionForce};
+    out.axes[k] = {axis.position,   axis.speed,         axis.limitForce,
+                   axis.driveForce, axis.frictionForce, axis.motorForce};
   }
   return out;
 }
@@ -154,6 +156,7 @@ rb_joint_state toC(const JointState& state) {
 rb_contact_point toC(const ContactPoint& point) {
   rb_contact_point out{};
   out.a = idOf(point.a), out.b = idOf(point.b), out.depth = point.depth;
+  out.part_a = point.partA, out.part_b = point.partB;
   store(point.position, out.position), store(point.normal, out.normal), store(point.force, out.force);
   return out;
 }

@@ -39,10 +39,12 @@ template <class T> T& need(T* pointer, const char* what) {
 inline std::string textOr(const char* text, const char* usual) { return text ? text : usual; }
 
 inline BodyId idOf(rb_body_id id) { return {id.index, id.generation}; }
+inline ShapeId idOf(rb_shape_id id) { return {id.index, id.generation}; }
 inline JointId idOf(rb_joint_id id) { return {id.index, id.generation}; }
 inline DeformableId idOf(rb_deformable_id id) { return {id.index, id.generation}; }
 inline AttachmentId idOf(rb_attachment_id id) { return {id.index, id.generation}; }
 inline rb_body_id idOf(BodyId id) { return {id.index, id.generation}; }
+inline rb_shape_id idOf(ShapeId id) { return {id.index, id.generation}; }
 inline rb_joint_id idOf(JointId id) { return {id.index, id.generation}; }
 inline rb_deformable_id idOf(DeformableId id) { return {id.index, id.generation}; }
 inline rb_attachment_id idOf(AttachmentId id) { return {id.index, id.generation}; }
@@ -97,7 +99,22 @@ SensorArray sensorArrayOf(std::int32_t which);
 
 QueryFilter filterOf(const rb_query_filter& filter);
 RayQuery queryOf(const rb_ray& ray);
-rb_ray_hit toC(const RayHit& hit);
+/// A RayHit, CastHit, OverlapHit or ClosestHit.
+template <class Hit> rb_hit toC(const Hit& hit) {
+  rb_hit out{};
+  if constexpr (requires { hit.hit; })
+    out.hit = hit.hit;
+  else
+    out.hit = 1;
+  out.body = idOf(hit.body), out.object = idOf(hit.object);
+  out.part = hit.part, out.triangle = hit.triangle;
+  out.user_data = hit.userData, out.shape_user_data = hit.shapeUserData;
+  if constexpr (requires { hit.distance; }) out.distance = hit.distance;
+  if constexpr (requires { hit.fraction; }) out.distance = hit.fraction;
+  if constexpr (requires { hit.position; }) store(hit.position, out.position);
+  if constexpr (requires { hit.normal; }) store(hit.normal, out.normal);
+  return out;
+}
 rb_mass toC(const MassProperties& mass);
 rb_body_state toC(const BodyState& state);
 BodyState fromC(const rb_body_state& state);

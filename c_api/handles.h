@@ -30,6 +30,7 @@ struct rb_world {
   rubble::Appearance appearance;  ///< of its scene
   rubble::StepReport report;
   std::vector<rb_body_id> bodies, added, overlapping;
+  std::vector<rb_shape_id> shapes;
   std::vector<rb_joint_id> joints, axisJoints;
   std::vector<std::int32_t> axes;
   std::vector<rb_deformable_id> deformables;

@@ -160,6 +160,8 @@ rb_status rb_world_events(rb_world* world, rb_events* events) {
       rb_contact_event out{};
       out.phase = static_cast<int32_t>(event.phase), out.sensor = event.sensor;
       out.a = idOf(event.a), out.b = idOf(event.b);
+      out.user_data_a = event.userDataA, out.user_data_b = event.userDataB;
+      out.shape_user_data_a = event.shapeUserDataA, out.shape_user_data_b = event.shapeUserDataB;
       store(event.impulse, out.impulse);
       out.first_point = static_cast<int64_t>(world->eventPoints.size());
       out.point_count = static_cast<int64_t>(event.points.size());
@@ -169,11 +171,12 @@ rb_status rb_world_events(rb_world* world, rb_events* events) {
     for (const JointEvent& event : found.joints) {
       rb_joint_event out{};
       out.joint = idOf(event.joint), out.a = idOf(event.a), out.b = idOf(event.b);
+      out.user_data = event.userData;
       store(event.force, out.force), store(event.torque, out.torque);
       world->jointEvents.push_back(out);
     }
     for (const SleepEvent& event : found.sleeps)
-      world->sleepEvents.push_back({idOf(event.body), event.asleep});
+      world->sleepEvents.push_back({idOf(event.body), event.asleep, event.userData});
     rb_events& out = need(events, "events");
     give(world->contactEvents, &out.contacts, &out.contact_count);
     give(world->eventPoints, &out.points, &out.point_count);

@@ -7,24 +7,13 @@ using namespace rubble::c;
 
 namespace {
 
-double distanceOf(const RayHit& hit) { return hit.distance; }
-double distanceOf(const CastHit& hit) { return hit.fraction; }
-double distanceOf(const OverlapHit&) { return 0; }
-
 /// Keeps all hits of queries in the world.
 template <class Hit>
 void keep(rb_world* world, const std::vector<std::vector<Hit>>& found, const int64_t** offsets,
           const rb_hit** hits) {
   world->hits.clear(), world->hitOffsets.assign(1, 0);
   for (const std::vector<Hit>& list : found) {
-    for (const Hit& hit : list) {
-      rb_hit& out = world->hits.emplace_back();
-      out.body = idOf(hit.body), out.object = idOf(hit.object);
-      out.part = hit.part, out.triangle = hit.triangle, out.user_data = hit.userData;
-      out.distance = distanceOf(hit);
-      if constexpr (requires { hit.position; })
-        store(hit.position, out.position), store(hit.normal, out.normal);
-    }
+    for (const Hit& hit : list) world->hits.push_back(toC(hit));
     world->hitOffsets.push_back(static_cast<int64_t>(world->hits.size()));
   }
   need(offsets, "offsets") = world->hitOffsets.data();
@@ -39,16 +28,15 @@ OverlapQuery overlapOf(const rb_overlap& query) {
   return {need(query.shape, "shape").shape, vec(query.position), quat(query.orientation),
           filterOf(query.filter)};
 }
-template <class Query> std::vector<Query> withDeformables(std::vector<Query> queries, int32_t deformables) {
-  for (Query& query : queries) query.filter.deformables = deformables != 0;
-  return queries;
+ClosestQuery closestOf(const rb_closest& query) {
+  return {vec(query.point), query.max_distance, filterOf(query.filter)};
 }
 
 }  // namespace
 
 extern "C" {
 
-rb_status rb_world_cast_rays(rb_world* world, const rb_ray* rays, int64_t count, rb_ray_hit* hits) {
+rb_status rb_world_cast_rays(rb_world* world, const rb_ray* rays, int64_t count, rb_hit* hits) {
   return guarded([&] {
     const auto queries = mapped(rays, count, queryOf);
     if (count > 0) need(hits, "hits");
@@ -56,15 +44,11 @@ rb_status rb_world_cast_rays(rb_world* world, const rb_ray* rays, int64_t count,
   });
 }
 
-rb_status rb_world_cast_shapes(rb_world* world, const rb_cast* casts, int64_t count, rb_cast_hit* hits) {
+rb_status rb_world_cast_shapes(rb_world* world, const rb_cast* casts, int64_t count, rb_hit* hits) {
   return guarded([&] {
     const auto queries = mapped(casts, count, castOf);
     if (count > 0) need(hits, "hits");
-    for (const CastHit& hit : worldOf(world).castShapes(queries)) {
-      rb_cast_hit& out = *hits++;
-      out.hit = hit.hit, out.body = idOf(hit.body), out.fraction = hit.fraction;
-      store(hit.position, out.position), store(hit.normal, out.normal);
-    }
+    for (const CastHit& hit : worldOf(world).castShapes(queries)) *hits++ = toC(hit);
   });
 }
 
@@ -83,42 +67,29 @@ rb_status rb_world_overlaps(rb_world* world, const rb_overlap* shapes, int64_t c
   });
 }
 
-rb_status rb_world_closest_points(rb_world* world, const rb_closest* points, int64_t count,
-                                  rb_closest_hit* hits) {
+rb_status rb_world_closest_points(rb_world* world, const rb_closest* points, int64_t count, rb_hit* hits) {
   return guarded([&] {
-    const auto queries = mapped(points, count, [](const rb_closest& query) {
-      return ClosestQuery{vec(query.point), query.max_distance, filterOf(query.filter)};
-    });
+    const auto queries = mapped(points, count, closestOf);
     if (count > 0) need(hits, "hits");
-    for (const ClosestHit& hit : worldOf(world).closestPoints(queries)) {
-      rb_closest_hit& out = *hits++;
-      out.hit = hit.hit, out.body = idOf(hit.body), out.distance = hit.distance;
-      store(hit.position, out.position);
-    }
+    for (const ClosestHit& hit : worldOf(world).closestPoints(queries)) *hits++ = toC(hit);
   });
 }
 
-rb_status rb_world_cast_rays_all(rb_world* world, const rb_ray* rays, int64_t count, int32_t deformables,
-                                 const int64_t** offsets, const rb_hit** hits) {
-  return guarded([&] {
-    const auto queries = withDeformables(mapped(rays, count, queryOf), deformables);
-    keep(world, worldOf(world).castRaysAll(queries), offsets, hits);
-  });
+rb_status rb_world_cast_rays_all(rb_world* world, const rb_ray* rays, int64_t count, const int64_t** offsets,
+                                 const rb_hit** hits) {
+  return guarded(
+      [&] { keep(world, worldOf(world).castRaysAll(mapped(rays, count, queryOf)), offsets, hits); });
 }
 
-rb_status rb_world_cast_shapes_all(rb_world* world, const rb_cast* casts, int64_t count, int32_t deformables,
+rb_status rb_world_cast_shapes_all(rb_world* world, const rb_cast* casts, int64_t count,
                                    const int64_t** offsets, const rb_hit** hits) {
-  return guarded([&] {
-    const auto queries = withDeformables(mapped(casts, count, castOf), deformables);
-    keep(world, worldOf(world).castShapesAll(queries), offsets, hits);
-  });
+  return guarded(
+      [&] { keep(world, worldOf(world).castShapesAll(mapped(casts, count, castOf)), offsets, hits); });
 }
 
-rb_status rb_world_overlaps_all(rb_world* world, const rb_overlap* shapes, int64_t count, int32_t deformables,
+rb_status rb_world_overlaps_all(rb_world* world, const rb_overlap* shapes, int64_t count,
                                 const int64_t** offsets, const rb_hit** hits) {
-  return guarded([&] {
-    const auto queries = withDeformables(mapped(shapes, count, overlapOf), deformables);
-    keep(world, worldOf(world).overlapsAll(queries), offsets, hits);
-  });
+  return guarded(
+      [&] { keep(world, worldOf(world).overlapsAll(mapped(shapes, count, overlapOf)), offsets, hits); });
 }
 }

@@ -160,7 +160,7 @@ rb_status rb_worlds_contact_forces(const rb_worlds* worlds, const int32_t* rows,
 }
 
 rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays, int64_t count,
-                              rb_ray_hit* hits) {
+                              rb_hit* hits) {
   return guarded([&] {
     const std::vector<int> of = mapped(numbers, count, [](int32_t number) { return int{number}; });
     std::size_t next = 0;

@@ -63,11 +63,10 @@ Look readLook(const Node& node, const std::function<int(const Node&)>& body,
   return out;
 }
 
-Json lookJson(const Look& look, const Json& body, const std::map<const ShapeGeometry*, std::string>& names) {
+Json lookJson(const Look& look, const Json& body, const std::function<Json(const Shape&)>& shape) {
   Json parts = Json::array();
   for (const LookPart& part : look.parts) {
-    const auto named = names.find(part.shape.geometry.get());
-    Json entry{{"shape", named != names.end() ? Json(named->second) : shapeJson(part.shape)}};
+    Json entry{{"shape", shape(part.shape)}};
     if (part.position != Vec3{}) entry["position"] = vectorJson(part.position);
     const Quat& q = part.orientation;
     if (q != Quat{}) entry["orientation"] = {q.s, q.v.x, q.v.y, q.v.z};
@@ -108,7 +107,7 @@ std::optional<Vec3> readDirection(const Node& node) {
 std::string appearanceText(const Appearance& appearance) {
   Json json = Json::object();
   json["looks"] = Json::array(), json["cameras"] = Json::array();
-  for (const Look& look : appearance.looks) json["looks"].push_back(lookJson(look, look.body, {}));
+  for (const Look& look : appearance.looks) json["looks"].push_back(lookJson(look, look.body, shapeJson));
   if (appearance.toSun) json["sun"] = vectorJson(*appearance.toSun);
   for (const NamedCamera& camera : appearance.cameras) json["cameras"].push_back(namedCameraJson(camera));
   return json.dump();

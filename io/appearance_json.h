@@ -1,7 +1,6 @@
 #pragma once
 /// Looks and cameras of scene files and recordings.
 #include <functional>
-#include <map>
 #include <string>
 
 #include <rubble/appearance.h>
@@ -15,9 +14,9 @@ namespace rubble::io {
 /// shape has that of its body in `bodies`.
 Look readLook(const Node& node, const std::function<int(const Node&)>& body,
               const std::function<Shape(const Node&)>& shape, const std::vector<BodyDef>& bodies);
-/// Parts without the name of a shape in `names` have the shape itself.
+/// `shape`: the JSON of a shape, or its name.
 nlohmann::ordered_json lookJson(const Look& look, const nlohmann::ordered_json& body,
-                                const std::map<const ShapeGeometry*, std::string>& names);
+                                const std::function<nlohmann::ordered_json(const Shape&)>& shape);
 NamedCamera readNamedCamera(const Node& node);
 nlohmann::ordered_json namedCameraJson(const NamedCamera& camera);
 /// A direction, made unit.

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "io/appearance_json.h"
 #include "io/joint_reader.h"
@@ -66,6 +67,8 @@ class SceneWriter {
   /// How the file names a material; null for the usual one.
   Json materialName(const Material& material) const;
   void nameShape(const Shape& shape);
+  /// The name of a shape that several bodies have, otherwise the shape.
+  Json shapeOf(const Shape& shape) const;
   void countName(const BodyDef& body) { ++nameUses_[body.name]; }
   Json body(const BodyDef& body) const;
   Json bodyReference(int index) const;
@@ -75,10 +78,13 @@ class SceneWriter {
 
   const SceneFile& file_;
   std::vector<std::pair<std::string, Material>> materials_;  ///< by their keys in the file
-  std::map<const ShapeGeometry*, std::string> shapeNames_;   ///< of several bodies
-  std::vector<std::pair<std::string, Shape>> shapes_;        ///< the same in the order of their second use
+  /// Geometry, rounding and user data: all of a shape that has geometry.
+  using ShapeKey = std::tuple<const ShapeGeometry*, double, std::uint64_t>;
+  static ShapeKey keyOf(const Shape& shape) { return {shape.geometry.get(), shape.rounding, shape.userData}; }
+  std::map<ShapeKey, std::string> shapeNames_;         ///< of several bodies
+  std::vector<std::pair<std::string, Shape>> shapes_;  ///< the same in the order of their second use
   std::map<std::string, int> nameUses_;
-  std::map<const ShapeGeometry*, int> geometryUses_;
+  std::map<ShapeKey, int> shapeUses_;
 };
 
 void SceneWriter::nameMaterial(const Material& material) {
@@ -98,10 +104,15 @@ Json SceneWriter::materialName(const Material& material) const {
 }
 
 void SceneWriter::nameShape(const Shape& shape) {
-  const ShapeGeometry* const geometry = shape.geometry.get();
-  if (!geometry || ++geometryUses_[geometry] != 2) return;
+  const ShapeKey key = keyOf(shape);
+  if (!shape.geometry || ++shapeUses_[key] != 2) return;
   shapes_.emplace_back("shape" + std::to_string(shapes_.size() + 1), shape);
-  shapeNames_[geometry] = shapes_.back().first;
+  shapeNames_[key] = shapes_.back().first;
+}
+
+Json SceneWriter::shapeOf(const Shape& shape) const {
+  const auto named = shapeNames_.find(keyOf(shape));
+  return named != shapeNames_.end() ? Json(named->second) : shapeJson(shape);
 }
 
 Json SceneWriter::body(const BodyDef& body) const {
@@ -111,8 +122,7 @@ Json SceneWriter::body(const BodyDef& body) const {
   if (!body.name.empty()) json["name"] = body.name;
   if (body.motion != Motion::Dynamic && body.shape.type != ShapeType::Plane)
     json["motion"] = kMotions[static_cast<std::size_t>(body.motion)];
-  const auto named = shapeNames_.find(body.shape.geometry.get());
-  json["shape"] = named != shapeNames_.end() ? Json(named->second) : shapeJson(body.shape);
+  json["shape"] = shapeOf(body.shape);
   if (const Json material = materialName(body.material); !material.is_null()) json["material"] = material;
   if (body.mass) {
     json["mass"] = *body.mass;
@@ -220,7 +230,8 @@ Json SceneWriter::write() {
     json["sensors"].push_back(sensorJson(
         added, [&](int body) { return bodyReference(body); }, [](int joint) { return Json(joint); }));
   for (const Look& added : file_.appearance.looks)
-    json["looks"].push_back(lookJson(added, bodyReference(added.body), shapeNames_));
+    json["looks"].push_back(lookJson(
+        added, bodyReference(added.body), [this](const Shape& each) { return shapeOf(each); }));
   for (const NamedCamera& added : file_.appearance.cameras) json["cameras"].push_back(namedCameraJson(added));
   for (const FileClaim& added : file_.claims) json["verdict"].push_back(claim(added));
   return json;

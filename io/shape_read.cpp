@@ -157,6 +157,7 @@ Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
       object.need(field.key, field.doc + std::string(" [") + field.unit + "]");
     field.visit(out, [&](auto& value) { readField(object, field, value); });
   }
+  object.read("user_data", out.userData);
   object.finish();
   return out;
 }

@@ -104,6 +104,7 @@ nlohmann::ordered_json shapeJson(const Shape& shape) {
     field.visit(shape, [&]<class T>(const T& value) {
       if (field.rules.always || !sameBits(value, T{})) json[field.key] = fieldJson(field, value);
     });
+  if (shape.userData != 0) json["user_data"] = shape.userData;
   return json;
 }
 

@@ -12,10 +12,11 @@ namespace rubble {
 /// A contact point of the last step. The force acts on B, its opposite on A.
 struct ContactPoint {
   BodyId a, b;
-  Vec3 position;  ///< world [m]
-  Vec3 normal;    ///< from A to B, unit
-  double depth;   ///< > 0: penetration [m]
-  Vec3 force;     ///< on B [N]
+  Vec3 position;             ///< world [m]
+  Vec3 normal;               ///< from A to B, unit
+  double depth;              ///< > 0: penetration [m]
+  Vec3 force;                ///< on B [N]
+  int partA = 0, partB = 0;  ///< of compounds: indices into their parts
 };
 
 enum class Phase { Begin, Stay, End };
@@ -27,6 +28,8 @@ struct ContactEvent {
   BodyId a, b;  ///< in ascending order of slots; after End one of them may have been removed
   /// BodyDef::userData of the two bodies, of a removed one too.
   std::uint64_t userDataA = 0, userDataB = 0;
+  /// Shape::userData of their shapes. World::shapeUserData() has that of a part.
+  std::uint64_t shapeUserDataA = 0, shapeUserDataB = 0;
   bool sensor = false;  ///< one of them is a sensor: no contact force
   /// On B, over the step [N s]. With substeps: the force of the last substep times the whole step.
   Vec3 impulse;

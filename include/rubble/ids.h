@@ -14,6 +14,7 @@ template <class Tag> struct Id {
 
 using BodyId = Id<struct BodyTag>;
 using JointId = Id<struct JointTag>;
+using ShapeId = Id<struct ShapeTag>;
 using DeformableId = Id<struct DeformableTag>;  ///< a deformable object (Jolt: soft body)
 using AttachmentId = Id<struct AttachmentTag>;
 

@@ -42,8 +42,9 @@ struct RayHit {
   /// to the cell (x, y). Otherwise -1.
   /// Of a deformable object: index into the triangles or segments of its definition, or its vertex.
   int triangle = -1;
-  std::uint64_t userData = 0;  ///< BodyDef::userData, DeformableDef::userData
-  DeformableId object = {};    ///< DeformableId{}: a body
+  std::uint64_t userData = 0;       ///< BodyDef::userData, DeformableDef::userData
+  std::uint64_t shapeUserData = 0;  ///< Shape::userData of the body, or of the part of a compound
+  DeformableId object = {};         ///< DeformableId{}: a body
 };
 
 /// Sweep of a convex shape or compound along a line, without rotation.
@@ -62,9 +63,10 @@ struct CastHit {
   Vec3 position;        ///< on the body [m]; the position of the shape if they overlap at the start
   /// Outward from the body, toward the shape. Zero if they overlap deeply at the start.
   Vec3 normal;
-  int part = 0;                ///< of a compound: index into its parts
-  std::uint64_t userData = 0;  ///< BodyDef::userData, DeformableDef::userData
-  DeformableId object = {};    ///< DeformableId{}: a body
+  int part = 0;                     ///< of a compound: index into its parts
+  std::uint64_t userData = 0;       ///< BodyDef::userData, DeformableDef::userData
+  std::uint64_t shapeUserData = 0;  ///< Shape::userData of the body, or of the part of a compound
+  DeformableId object = {};         ///< DeformableId{}: a body
   /// As RayHit::triangle. Of bodies in the results of World::castShapesAll() only.
   int triangle = -1;
 };
@@ -83,6 +85,7 @@ struct OverlapHit {
   int part = 0;                ///< of a compound: index into its parts
   int triangle = -1;           ///< of a deformable object, as RayHit::triangle: one of those that overlap
   std::uint64_t userData = 0;  ///< BodyDef::userData, DeformableDef::userData
+  std::uint64_t shapeUserData = 0;  ///< Shape::userData of the body, or of the part of a compound
 };
 
 struct ClosestQuery {
@@ -94,12 +97,13 @@ struct ClosestQuery {
 struct ClosestHit {
   bool hit = false;
   BodyId body;
-  double distance = 0;         ///< [m]
-  Vec3 position;               ///< [m]
-  int part = 0;                ///< of a compound: index into its parts
-  std::uint64_t userData = 0;  ///< BodyDef::userData, DeformableDef::userData
-  DeformableId object = {};    ///< DeformableId{}: a body
-  int triangle = -1;           ///< of a deformable object, as RayHit::triangle
+  double distance = 0;              ///< [m]
+  Vec3 position;                    ///< [m]
+  int part = 0;                     ///< of a compound: index into its parts
+  std::uint64_t userData = 0;       ///< BodyDef::userData, DeformableDef::userData
+  std::uint64_t shapeUserData = 0;  ///< Shape::userData of the body, or of the part of a compound
+  DeformableId object = {};         ///< DeformableId{}: a body
+  int triangle = -1;                ///< of a deformable object, as RayHit::triangle
 };
 
 }  // namespace rubble

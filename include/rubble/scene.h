@@ -61,8 +61,10 @@ struct Shape {
   /// Radius of rounded edges and corners [m]. Box and cylinder: inside the given sizes. Hull: added around
   /// it.
   double rounding = 0;
-  std::shared_ptr<const ShapeGeometry>
-      geometry = nullptr;  ///< of the other types; bodies with the same geometry share its cooked data
+  /// Of the other types. Bodies with the same geometry share its cooked data.
+  std::shared_ptr<const ShapeGeometry> geometry = nullptr;
+  /// Of the caller: hits and contact events return it. No effect on results, and no part of hashes.
+  std::uint64_t userData = 0;
 
   static Shape sphere(double radius) { return {ShapeType::Sphere, {}, radius, 0}; }
   static Shape box(const Vec3& halfExtents, double rounding = 0) {

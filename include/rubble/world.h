@@ -14,6 +14,7 @@
 #include <rubble/ids.h>
 #include <rubble/inputs.h>
 #include <rubble/log.h>
+#include <rubble/memory.h>
 #include <rubble/params.h>
 #include <rubble/query.h>
 #include <rubble/ranks.h>
@@ -74,8 +75,8 @@ struct VertexContact {
 };
 
 struct WorldOptions {
-  /// "cpu", "reference" (double precision), "distributed", "lockstep", or another name that backends()
-  /// returns.
+  /// "cpu", "reference" (double precision), "distributed", "backward" and "lockstep" (they check "cpu"), or
+  /// another name that backends() returns.
   std::string backend = "cpu";
   int threads = 0;    ///< 0: one per core
   RankOptions ranks;  ///< distributed only
@@ -86,6 +87,8 @@ struct WorldOptions {
   LogSink log = {};  ///< empty: no log
   /// "cpu", "reference" and Worlds of them: a scheduler of the host, in place of `threads`.
   TaskSystem tasks = {};
+  /// "cpu", "reference" and Worlds of them: an allocator of the host for the tables.
+  MemorySystem memory = {};
   /// Of a CPU: one of instructionSets() (rubble/info.h); empty: the last of them. All give the same bits.
   std::string instructionSet = {};
 };
@@ -168,6 +171,23 @@ class World {
   void setSensor(BodyId id, bool sensor);
   void setUserData(BodyId id, std::uint64_t userData);
   std::uint64_t userData(BodyId id) const;
+
+  // Shapes. Bodies with equal shapes share one: the same type, sizes, geometry object and userData. It is
+  // freed with its last use, which is a body or a call of addShape(), and its place in the tables is used
+  // again. Every call throws Error for an id that is not alive.
+  /// Adds a use of a shape, and cooks it if it is new. Throws Error with the path of an invalid field.
+  ShapeId addShape(const Shape& shape);
+  /// Takes back one call of addShape(). Throws Error if there is none.
+  void removeShape(ShapeId id);
+  bool alive(ShapeId id) const;
+  std::vector<ShapeId> shapes() const;  ///< shapes that are alive, by index
+  ShapeId shapeOf(BodyId id) const;
+  /// For BodyDef::shape, setShape() and queries.
+  const Shape& definition(ShapeId id) const;
+  int useCount(ShapeId id) const;  ///< bodies and calls of addShape()
+  /// Shape::userData of a part of a compound, or of the whole body.
+  std::uint64_t shapeUserData(BodyId id, int part = 0) const;
+
   /// Material of a part of a compound, or of the whole body.
   Material materialOf(BodyId id, int part = 0) const;
   std::vector<JointId> jointsOf(BodyId id) const;         ///< its joints and those it is the frame body of

@@ -15,7 +15,7 @@ import os
 from typing import Any, Union
 
 from ._arrays import Array, DeviceArray
-from ._bodies import Bodies, Body, ContactLoad
+from ._bodies import Bodies, Body, ContactLoad, Shape, Shapes
 from ._joints import AxisState, Joint, Joints, JointState
 from ._library import Error, json_of, lib
 from ._picture import Painter, save_png
@@ -48,11 +48,10 @@ __all__ = [
     "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim", "ContactLoad",
     "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Frame", "Hit", "Joint", "JointState",
     "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording", "Rod", "Run", "Scene",
-    "SceneInfo", "Snapshot", "StepReport", "Surface", "Verdict", "World", "Worlds", "box", "cable_along",
-    "capsule",
-    "cloth_sheet", "compound", "cone", "cylinder", "distance_field", "height_field", "hull", "info", "load",
-    "mass_of", "mesh", "plane", "save_png", "scenes", "sphere", "straight_cable", "tet_ball", "tet_box",
-    "tet_solid",
+    "SceneInfo", "Shape", "Shapes", "Snapshot", "StepReport", "Surface", "Verdict", "World", "Worlds", "box",
+    "cable_along", "capsule", "cloth_sheet", "compound", "cone", "cylinder", "distance_field", "height_field",
+    "hull", "info", "load", "mass_of", "mesh", "plane", "save_png", "scenes", "sphere",
+    "straight_cable", "tet_ball", "tet_box", "tet_solid",
 ]
 for _name in __all__:  # tracebacks and help() name them as users do
     globals()[_name].__module__ = "rubble"

@@ -2,7 +2,7 @@
 from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_int32, c_int64, c_uint32, c_uint64, \
     c_void_p
 
-API_VERSION = 2
+API_VERSION = 3
 OK = 0
 INVALID = 1
 OUT_OF_MEMORY = 2
@@ -39,6 +39,12 @@ class Error(Structure):
 
 
 class BodyId(Structure):
+    _fields_ = [
+        ("index", c_int32), ("generation", c_uint32),
+    ]
+
+
+class ShapeId(Structure):
     _fields_ = [
         ("index", c_int32), ("generation", c_uint32),
     ]
@@ -97,7 +103,7 @@ class ContactLoad(Structure):
 class AxisState(Structure):
     _fields_ = [
         ("position", c_double), ("speed", c_double), ("limit_force", c_double), ("drive_force", c_double),
-        ("friction_force", c_double),
+        ("friction_force", c_double), ("motor_force", c_double),
     ]
 
 
@@ -125,7 +131,7 @@ class Surface(Structure):
 class ContactPoint(Structure):
     _fields_ = [
         ("a", BodyId), ("b", BodyId), ("position", c_double * 3), ("normal", c_double * 3),
-        ("depth", c_double), ("force", c_double * 3),
+        ("depth", c_double), ("force", c_double * 3), ("part_a", c_int32), ("part_b", c_int32),
     ]
 
 
@@ -138,20 +144,22 @@ class VertexContact(Structure):
 
 class ContactEvent(Structure):
     _fields_ = [
-        ("phase", c_int32), ("a", BodyId), ("b", BodyId), ("sensor", c_int32), ("impulse", c_double * 3),
-        ("first_point", c_int64), ("point_count", c_int64),
+        ("phase", c_int32), ("a", BodyId), ("b", BodyId), ("user_data_a", c_uint64),
+        ("user_data_b", c_uint64), ("shape_user_data_a", c_uint64), ("shape_user_data_b", c_uint64),
+        ("sensor", c_int32), ("impulse", c_double * 3), ("first_point", c_int64), ("point_count", c_int64),
     ]
 
 
 class JointEvent(Structure):
     _fields_ = [
-        ("joint", JointId), ("a", BodyId), ("b", BodyId), ("force", c_double * 3), ("torque", c_double * 3),
+        ("joint", JointId), ("user_data", c_uint64), ("a", BodyId), ("b", BodyId), ("force", c_double * 3),
+        ("torque", c_double * 3),
     ]
 
 
 class SleepEvent(Structure):
     _fields_ = [
-        ("body", BodyId), ("asleep", c_int32),
+        ("body", BodyId), ("asleep", c_int32), ("user_data", c_uint64),
     ]
 
 
@@ -194,6 +202,7 @@ class SolverState(Structure):
 class QueryFilter(Structure):
     _fields_ = [
         ("layers", c_uint32), ("mask", c_uint32), ("sensors", c_int32), ("ignore", BodyId),
+        ("deformables", c_int32), ("ignore_object", DeformableId),
     ]
 
 
@@ -204,24 +213,10 @@ class Ray(Structure):
     ]
 
 
-class RayHit(Structure):
-    _fields_ = [
-        ("hit", c_int32), ("body", BodyId), ("distance", c_double), ("position", c_double * 3),
-        ("normal", c_double * 3),
-    ]
-
-
 class Cast(Structure):
     _fields_ = [
         ("shape", c_void_p), ("position", c_double * 3), ("orientation", c_double * 4),
         ("displacement", c_double * 3), ("filter", QueryFilter),
-    ]
-
-
-class CastHit(Structure):
-    _fields_ = [
-        ("hit", c_int32), ("body", BodyId), ("fraction", c_double), ("position", c_double * 3),
-        ("normal", c_double * 3),
     ]
 
 
@@ -238,17 +233,11 @@ class Closest(Structure):
     ]
 
 
-class ClosestHit(Structure):
-    _fields_ = [
-        ("hit", c_int32), ("body", BodyId), ("distance", c_double), ("position", c_double * 3),
-    ]
-
-
 class Hit(Structure):
     _fields_ = [
-        ("body", BodyId), ("object", DeformableId), ("part", c_int32), ("triangle", c_int32),
-        ("distance", c_double), ("position", c_double * 3), ("normal", c_double * 3),
-        ("user_data", c_uint64),
+        ("hit", c_int32), ("body", BodyId), ("object", DeformableId), ("part", c_int32),
+        ("triangle", c_int32), ("distance", c_double), ("position", c_double * 3), ("normal", c_double * 3),
+        ("user_data", c_uint64), ("shape_user_data", c_uint64),
     ]
 
 
@@ -347,6 +336,16 @@ FUNCTIONS = {
     "rb_world_apply_impulse": (c_int, [c_void_p, BodyId, c_void_p]),
     "rb_world_apply_forces": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_world_apply_impulses": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
+    "rb_world_add_shape": (c_int, [c_void_p, c_void_p, c_void_p]),
+    "rb_world_remove_shape": (c_int, [c_void_p, ShapeId]),
+    "rb_world_shape_alive": (c_int32, [c_void_p, ShapeId]),
+    "rb_world_shapes": (c_int, [c_void_p, c_void_p, c_void_p]),
+    "rb_world_shape_of": (c_int, [c_void_p, BodyId, c_void_p]),
+    "rb_world_shape_definition": (c_int, [c_void_p, ShapeId, c_void_p]),
+    "rb_world_shape_uses": (c_int, [c_void_p, ShapeId, c_void_p]),
+    "rb_world_shape_user_data": (c_int, [c_void_p, BodyId, c_int32, c_void_p]),
+    "rb_world_add_body_of": (c_int, [c_void_p, ShapeId, c_char_p, c_void_p]),
+    "rb_world_set_shape": (c_int, [c_void_p, BodyId, ShapeId]),
     "rb_world_array": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_world_joint_array": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_world_sensor_array": (c_int, [c_void_p, c_int32, c_void_p]),
@@ -413,9 +412,9 @@ FUNCTIONS = {
     "rb_world_cast_shapes": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
     "rb_world_overlaps": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_world_closest_points": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
-    "rb_world_cast_rays_all": (c_int, [c_void_p, c_void_p, c_int64, c_int32, c_void_p, c_void_p]),
-    "rb_world_cast_shapes_all": (c_int, [c_void_p, c_void_p, c_int64, c_int32, c_void_p, c_void_p]),
-    "rb_world_overlaps_all": (c_int, [c_void_p, c_void_p, c_int64, c_int32, c_void_p, c_void_p]),
+    "rb_world_cast_rays_all": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
+    "rb_world_cast_shapes_all": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
+    "rb_world_overlaps_all": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_world_memory_bytes": (c_int64, [c_void_p]),
     "rb_world_reserve": (c_int, [c_void_p, c_char_p, c_int32]),
     "rb_world_hash": (c_int, [c_void_p, c_void_p]),

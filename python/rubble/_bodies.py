@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _abi
 from ._library import Error, check, encode, json_of, lib, list_of, matrix, text_of, vector
-from ._shapes import Mass
+from ._shapes import Definition, Mass, ShapeHandle
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -63,6 +63,34 @@ class Element:
 
     def __hash__(self) -> int:
         return hash((type(self), self.id))
+
+
+class Shape(Element):
+    """A shape of a running world. It lives while a body has it, or until `remove` takes back its addition."""
+
+    __slots__ = ()
+    _kind = "shape"
+
+    @property
+    def definition(self) -> Definition:
+        """As in a scene file."""
+        return json_of(lib.rb_world_shape_definition, self._world._pointer, self._id)
+
+    @property
+    def user_data(self) -> int:
+        """64 bits of the caller: "user_data" of its definition."""
+        return self.definition.get("user_data", 0)
+
+    @property
+    def uses(self) -> int:
+        """Number of bodies that have it, and of additions that are not taken back."""
+        out = ctypes.c_int64()
+        check(lib.rb_world_shape_uses(self._world._pointer, self._id, ctypes.byref(out)))
+        return out.value
+
+    def __repr__(self) -> str:
+        state = self.definition["type"] if self.alive else "removed"
+        return f"<rubble.Shape {self.index} {state}>"
 
 
 class NamedElement(Element):
@@ -137,9 +165,25 @@ class Body(NamedElement):
         ``set(mass=5)``.
 
         Pose and velocities are kept, and so are contacts unless the shape changes. ``mass`` and ``density``
-        replace each other.
+        replace each other. ``shape`` may be a `Shape` of the world.
         """
-        check(lib.rb_world_set_body(self._world._pointer, self._id, encode(values)))
+        fields: dict[str, Any] = dict(values)
+        if isinstance(fields.get("shape"), Shape):
+            check(lib.rb_world_set_shape(self._world._pointer, self._id, fields.pop("shape")._id))
+        check(lib.rb_world_set_body(self._world._pointer, self._id, encode(fields)))
+
+    @property
+    def shape(self) -> Shape:
+        """Its shape, which other bodies may share."""
+        out = _abi.ShapeId()
+        check(lib.rb_world_shape_of(self._world._pointer, self._id, ctypes.byref(out)))
+        return Shape(self._world, out)
+
+    def shape_user_data(self, part: int = 0) -> int:
+        """"user_data" of a part of a compound, or of its shape."""
+        out = ctypes.c_uint64()
+        check(lib.rb_world_shape_user_data(self._world._pointer, self._id, part, ctypes.byref(out)))
+        return out.value
 
     def set_target(self, position: Vector, orientation: Vector = (1, 0, 0, 0)) -> None:
         """Kinematic bodies: the pose to reach in the next step."""
@@ -274,9 +318,16 @@ class Bodies(Collection):
     _list, _find, _id_type, _type = "rb_world_bodies", "rb_world_find_body", _abi.BodyId, Body
 
     def add(self, **fields: Unpack[BodyFields]) -> Body:
-        """Adds a body with the keys of scene files: shape, position, mass, motion, material and others."""
-        out = _abi.BodyId()
-        check(lib.rb_world_add_body(self._world._pointer, encode(fields), ctypes.byref(out)))
+        """Adds a body with the keys of scene files: shape, position, mass, motion, material and others.
+        ``shape`` may be a `Shape` of the world."""
+        out, values = _abi.BodyId(), dict(fields)
+        shape = values.get("shape")
+        if isinstance(shape, Shape):
+            del values["shape"]
+            check(lib.rb_world_add_body_of(self._world._pointer, shape._id, encode(values),
+                                           ctypes.byref(out)))
+        else:
+            check(lib.rb_world_add_body(self._world._pointer, encode(values), ctypes.byref(out)))
         return Body(self._world, out)
 
     def add_many(self, definitions: Sequence[dict[str, Any]]) -> list[Body]:
@@ -318,3 +369,20 @@ class Bodies(Collection):
         ids = ids_of(bodies)
         given = matrix(impulses, "impulses", rows=len(ids))
         check(lib.rb_world_apply_impulses(self._world._pointer, ids.ctypes.data, len(ids), given.ctypes.data))
+
+
+class Shapes(Collection):
+    """The shapes of a world, by index; they have no names. Bodies with equal shapes share one."""
+
+    _list, _find = "rb_world_shapes", ""
+    _id_type, _type = _abi.ShapeId, Shape
+
+    def __getitem__(self, key: Any) -> Shape:
+        return self._make(*self.ids[key].tolist())
+
+    def add(self, definition: Definition) -> Shape:
+        """Adds a use of a shape, and cooks it if it is new. It lives until its `remove`, also without
+        bodies."""
+        handle, out = ShapeHandle(definition), _abi.ShapeId()
+        check(lib.rb_world_add_shape(self._world._pointer, handle.pointer, ctypes.byref(out)))
+        return Shape(self._world, out)

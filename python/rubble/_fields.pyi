@@ -5,7 +5,7 @@ Vector = Any
 Quaternion = Any
 Hard = Union[float, Literal["hard"]]
 Breaks = Union[float, Literal["never"]]
-Shape = Union[dict[str, Any], str]
+Shape = Any  # a definition, the name of one, or a Shape of the world
 
 class Material(TypedDict, total=False):
     friction: float
@@ -170,3 +170,5 @@ class FilterFields(TypedDict, total=False):
     mask: int
     sensors: bool
     ignore: Any
+    deformables: bool
+    ignore_object: Any

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 import numpy as np
 
 from . import _abi
-from ._bodies import WORLD, Body, Vector
+from ._bodies import Body, Vector
 from ._library import check, lib, list_of, matrix, structs
 from ._shapes import Definition, ShapeHandle
+from ._soft import Deformable
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -22,10 +23,15 @@ ALL = 0xFFFFFFFF
 class Hit(NamedTuple):
     """What a query found first."""
 
-    body: Body
+    body: Optional[Body]  #: None: a deformable object
     distance: float  #: [m]; of a shape cast the fraction of the displacement
     position: np.ndarray  #: (3,) [m]
-    normal: Optional[np.ndarray]  #: (3,) outward from the body; None for a closest point
+    normal: np.ndarray  #: (3,) outward from what is hit; zeros for a closest point
+    object: Optional[Deformable]  #: None: a body
+    part: int  #: of a compound: index into its parts
+    triangle: int  #: of a mesh, height field or deformable object: its index; otherwise -1
+    user_data: int  #: of the body or object
+    shape_user_data: int  #: of the shape of the body, or of the part of a compound
 
 
 class Quality(NamedTuple):
@@ -44,65 +50,61 @@ class Quality(NamedTuple):
 class Events(NamedTuple):
     """Events of the last step, as structured arrays. Empty unless the world has ``events=True``."""
 
-    contacts: np.ndarray  #: "phase" (0 begin, 1 stay, 2 end), "a", "b", "sensor", "impulse" [N s], points
-    points: np.ndarray  #: contact points: "position" [m], "normal", "depth" [m], "force" [N]
-    joints: np.ndarray  #: joints that broke: "joint", "a", "b", "force" [N], "torque" [N m]
-    sleeps: np.ndarray  #: "body", "asleep"
+    #: "phase" (0 begin, 1 stay, 2 end), "a", "b", "user_data_a", "user_data_b", "shape_user_data_a",
+    #: "shape_user_data_b", "sensor", "impulse" [N s], "first_point", "point_count"
+    contacts: np.ndarray
+    points: np.ndarray  #: contact points, as `World.contacts`
+    joints: np.ndarray  #: joints that broke: "joint", "user_data", "a", "b", "force" [N], "torque" [N m]
+    sleeps: np.ndarray  #: "body", "asleep", "user_data"
 
 
 class Queries:
     """Queries of a world. Poses are those after the last step.
 
-    Every query takes `layers` and `mask` (bit sets), `sensors` (also test sensors) and `ignore` (a body).
+    Every query takes `layers` and `mask` (bit sets), `sensors` (also test sensors), `ignore` (a body),
+    `deformables` (also test deformable objects) and `ignore_object`. Hits are structured arrays: "hit",
+    "body" and "object" (index -1: none), "part", "triangle", "distance" [m], "position" [m], "normal",
+    "user_data", "shape_user_data". The "distance" of a shape cast is the fraction of its way.
     """
 
     _pointer: Any
 
-    def _hit(self, found: Any, measure: str) -> Optional[Hit]:
+    def _hit(self, found: Any) -> Optional[Hit]:
         if not found["hit"]:
             return None
-        index, generation = found["body"].tolist()
-        normal = found["normal"].copy() if "normal" in found.dtype.names else None
-        body = Body(self, _abi.BodyId(index, generation))  # type: ignore[arg-type]
-        return Hit(body, float(found[measure]), found["position"].copy(), normal)
+        body, object = (None if index < 0 else (index, generation)
+                        for index, generation in (found["body"].tolist(), found["object"].tolist()))
+        return Hit(body and Body(self, _abi.BodyId(*body)),  # type: ignore[arg-type]
+                   float(found["distance"]), found["position"].copy(), found["normal"].copy(),
+                   object and Deformable(self, _abi.DeformableId(*object)),  # type: ignore[arg-type]
+                   int(found["part"]), int(found["triangle"]), int(found["user_data"]),
+                   int(found["shape_user_data"]))
 
     def cast_ray(self, origin: Vector, direction: Vector, max_distance: float = 1e6,
                  **filter: Unpack[FilterFields]) -> Optional[Hit]:
-        """First body on a ray from `origin` [m], or None."""
-        return self._hit(self.cast_rays([origin], [direction], max_distance, **filter)[0], "distance")
+        """First hit of a ray from `origin` [m], or None."""
+        return self._hit(self.cast_rays([origin], [direction], max_distance, **filter)[0])
 
     def cast_rays(self, origins: Any, directions: Any, max_distance: float = 1e6,
                   **filter: Unpack[FilterFields]) -> np.ndarray:
-        """First hits of many rays: origins (n, 3) [m], directions (n, 3) of any length.
-
-        Returns:
-            Structured array (n,): "hit", "body", "distance" [m], "position" [m], "normal".
-        """
-        start = matrix(origins, "origins")
-        along = matrix(directions, "directions", rows=len(start))
-        rays, hits = np.zeros(len(start), np.dtype(_abi.Ray)), np.zeros(len(start), np.dtype(_abi.RayHit))
-        rays["origin"], rays["direction"], rays["max_distance"] = start, along, max_distance
-        _set_filter(rays, **filter)
+        """First hits of many rays: origins (n, 3) [m], directions (n, 3) of any length."""
+        rays = _rays(origins, directions, max_distance, filter)
+        hits = np.zeros(len(rays), np.dtype(_abi.Hit))
         check(lib.rb_world_cast_rays(self._pointer, rays.ctypes.data, len(rays), hits.ctypes.data))
         return hits
 
     def cast_shape(self, shape: Definition, position: Vector, displacement: Vector,
                    orientation: Vector = (1, 0, 0, 0), **filter: Unpack[FilterFields]) -> Optional[Hit]:
-        """First body that a shape meets on a straight way [m], or None."""
-        return self._hit(self.cast_shapes(shape, [position], [displacement], [orientation], **filter)[0],
-                         "fraction")
+        """First hit of a shape on a straight way [m], or None."""
+        return self._hit(self.cast_shapes(shape, [position], [displacement], [orientation], **filter)[0])
 
     def cast_shapes(self, shape: Definition, positions: Any, displacements: Any, orientations: Any = None,
                     **filter: Unpack[FilterFields]) -> np.ndarray:
-        """First hits of a shape on many ways: positions, displacements (n, 3) [m], orientations (n, 4).
-
-        Returns:
-            Structured array (n,): "hit", "body", "fraction", "position" [m], "normal".
-        """
+        """First hits of a shape on many ways: positions, displacements (n, 3) [m], orientations (n, 4)."""
         handle = ShapeHandle(shape)
         casts = _placed(np.dtype(_abi.Cast), handle, positions, orientations, filter)
         casts["displacement"] = matrix(displacements, "displacements", rows=len(casts))
-        hits = np.zeros(len(casts), np.dtype(_abi.CastHit))
+        hits = np.zeros(len(casts), np.dtype(_abi.Hit))
         check(lib.rb_world_cast_shapes(self._pointer, casts.ctypes.data, len(casts), hits.ctypes.data))
         return hits
 
@@ -124,69 +126,55 @@ class Queries:
         found = [Body(self, _abi.BodyId(*id)) for id in ids]  # type: ignore[arg-type]
         return [found[begin:end] for begin, end in zip(ends[:-1], ends[1:])]
 
-    def _all(self, function: Any, queries: np.ndarray, deformables: bool) -> list[np.ndarray]:
+    def _all(self, function: Any, queries: np.ndarray) -> list[np.ndarray]:
         offsets, hits = ctypes.c_void_p(), ctypes.c_void_p()
-        check(function(self._pointer, queries.ctypes.data, len(queries), int(deformables),
-                       ctypes.byref(offsets), ctypes.byref(hits)))
+        check(function(self._pointer, queries.ctypes.data, len(queries), ctypes.byref(offsets),
+                       ctypes.byref(hits)))
         ends = structs(offsets.value, len(queries) + 1, ctypes.c_int64)
         found = structs(hits.value, int(ends[-1]), _abi.Hit)
         return [found[begin:end].copy() for begin, end in zip(ends[:-1], ends[1:])]
 
-    def cast_rays_all(self, origins: Any, directions: Any, max_distance: float = 1e6, *,
-                      deformables: bool = False, **filter: Unpack[FilterFields]) -> list[np.ndarray]:
-        """All hits of many rays, ascending in distance: the first of each part of each body and, with
-        `deformables`, of each deformable object.
-
-        Returns:
-            A structured array for each ray: "body", "object" (index -1: none), "part", "triangle",
-            "distance" [m], "position" [m], "normal", "user_data".
-        """
-        start = matrix(origins, "origins")
-        rays = np.zeros(len(start), np.dtype(_abi.Ray))
-        rays["origin"], rays["max_distance"] = start, max_distance
-        rays["direction"] = matrix(directions, "directions", rows=len(start))
-        _set_filter(rays, **filter)
-        return self._all(lib.rb_world_cast_rays_all, rays, deformables)
+    def cast_rays_all(self, origins: Any, directions: Any, max_distance: float = 1e6,
+                      **filter: Unpack[FilterFields]) -> list[np.ndarray]:
+        """All hits of many rays, an array for each, ascending in distance: the first of each part of each
+        body and of each deformable object."""
+        return self._all(lib.rb_world_cast_rays_all, _rays(origins, directions, max_distance, filter))
 
     def cast_shapes_all(self, shape: Definition, positions: Any, displacements: Any, orientations: Any = None,
-                        *, deformables: bool = False, **filter: Unpack[FilterFields]) -> list[np.ndarray]:
-        """All hits of a shape on many ways, as `cast_rays_all`; "distance" is the fraction of the way."""
+                        **filter: Unpack[FilterFields]) -> list[np.ndarray]:
+        """All hits of a shape on many ways, as `cast_rays_all`."""
         handle = ShapeHandle(shape)
         casts = _placed(np.dtype(_abi.Cast), handle, positions, orientations, filter)
         casts["displacement"] = matrix(displacements, "displacements", rows=len(casts))
-        return self._all(lib.rb_world_cast_shapes_all, casts, deformables)
+        return self._all(lib.rb_world_cast_shapes_all, casts)
 
-    def overlaps_all(self, shape: Definition, positions: Any, orientations: Any = None, *,
-                     deformables: bool = False, **filter: Unpack[FilterFields]) -> list[np.ndarray]:
+    def overlaps_all(self, shape: Definition, positions: Any, orientations: Any = None,
+                     **filter: Unpack[FilterFields]) -> list[np.ndarray]:
         """What overlaps a shape at each of many places, as `cast_rays_all` without positions and normals."""
         handle = ShapeHandle(shape)
         queries = _placed(np.dtype(_abi.Overlap), handle, positions, orientations, filter)
-        return self._all(lib.rb_world_overlaps_all, queries, deformables)
+        return self._all(lib.rb_world_overlaps_all, queries)
 
     def closest_point(self, point: Vector, max_distance: float = 1e3,
                       **filter: Unpack[FilterFields]) -> Optional[Hit]:
-        """Closest point of any body to a point [m], or None."""
-        return self._hit(self.closest_points([point], max_distance, **filter)[0], "distance")
+        """Closest point of anything to a point [m], or None."""
+        return self._hit(self.closest_points([point], max_distance, **filter)[0])
 
     def closest_points(self, points: Any, max_distance: float = 1e3,
                        **filter: Unpack[FilterFields]) -> np.ndarray:
-        """Closest points of bodies to points (n, 3) [m].
-
-        Returns:
-            Structured array (n,): "hit", "body", "distance" [m], "position" [m].
-        """
+        """Closest points to points (n, 3) [m]."""
         given = matrix(points, "points")
         queries = np.zeros(len(given), np.dtype(_abi.Closest))
         queries["point"], queries["max_distance"] = given, max_distance
         _set_filter(queries, **filter)
-        hits = np.zeros(len(given), np.dtype(_abi.ClosestHit))
+        hits = np.zeros(len(given), np.dtype(_abi.Hit))
         check(lib.rb_world_closest_points(self._pointer, queries.ctypes.data, len(queries), hits.ctypes.data))
         return hits
 
     @property
     def contacts(self) -> np.ndarray:
         """Contact points of the last step, structured: "a", "b", "position" [m], "normal" from A to B,
-        "depth" [m], "force" on B [N]."""
+        "depth" [m], "force" on B [N], "part_a", "part_b"."""
         return list_of(lib.rb_world_contacts, _abi.ContactPoint, self._pointer)
 
     @property
@@ -220,11 +208,23 @@ class Queries:
 
 
 def _set_filter(queries: np.ndarray, layers: int = ALL, mask: int = ALL, sensors: bool = False,
-                ignore: Optional[Body] = None) -> None:
+                ignore: Optional[Body] = None, deformables: bool = False,
+                ignore_object: Optional[Deformable] = None) -> None:
     chosen = queries["filter"]
     chosen["layers"], chosen["mask"], chosen["sensors"] = layers, mask, sensors
-    skipped = WORLD if ignore is None else ignore._id
-    chosen["ignore"]["index"], chosen["ignore"]["generation"] = skipped.index, skipped.generation
+    chosen["deformables"] = deformables
+    for key, skipped in (("ignore", ignore), ("ignore_object", ignore_object)):
+        chosen[key]["index"], chosen[key]["generation"] = (-1, 0) if skipped is None else skipped.id
+
+
+def _rays(origins: Any, directions: Any, max_distance: float, filter: FilterFields) -> np.ndarray:
+    """Rays of the library: origins (n, 3) [m], directions (n, 3)."""
+    start = matrix(origins, "origins")
+    rays = np.zeros(len(start), np.dtype(_abi.Ray))
+    rays["origin"], rays["max_distance"] = start, max_distance
+    rays["direction"] = matrix(directions, "directions", rows=len(start))
+    _set_filter(rays, **filter)
+    return rays
 
 
 def _placed(kind: np.dtype, handle: ShapeHandle, positions: Any, orientations: Any,

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _abi
 from ._arrays import NAMES, StateArrays
-from ._bodies import Bodies, Body, Vector
+from ._bodies import Bodies, Body, Shapes, Vector
 from ._joints import Joints
 from ._library import Handle, check, encode, json_of, lib, text_of, vector
 from ._picture import View
@@ -125,7 +125,7 @@ class World(StateArrays, Queries, View):
     """A running simulation of a scene.
 
     Args:
-        scene: What to simulate. Scripted events are applied by `Run` only.
+        scene: What to simulate.
         backend: "cpu", "cuda", "reference" (double precision) or another of ``rubble.info()["backends"]``.
         threads: 0: one per core.
         events: Collect the events of each step.
@@ -155,6 +155,11 @@ class World(StateArrays, Queries, View):
     def bodies(self) -> Bodies:
         """Bodies by name or place."""
         return Bodies(self)
+
+    @property
+    def shapes(self) -> Shapes:
+        """Shapes by place."""
+        return Shapes(self)
 
     @property
     def joints(self) -> Joints:

@@ -9,7 +9,7 @@ import numpy as np
 from . import _abi
 from ._arrays import JOINT_NAMES, SENSOR_NAMES, index_of, read_array, write_rows
 from ._library import Handle, check, encode, invalid, json_of, lib, matrix
-from ._queries import _set_filter
+from ._queries import _rays
 from ._scene import Scene
 from ._world import Snapshot, StepReport, World
 
@@ -188,17 +188,11 @@ class Worlds:
 
     def cast_rays(self, worlds: Any, origins: Any, directions: Any, max_distance: float = 1e6,
                   **filter: Unpack[FilterFields]) -> np.ndarray:
-        """First hits of rays in many worlds: ray k from ``origins[k]`` [m] in world ``worlds[k]``.
-
-        Returns:
-            Structured array (n,): "hit", "body", "distance" [m], "position" [m], "normal".
-        """
-        start = matrix(origins, "origins")
-        numbers = np.ascontiguousarray(np.broadcast_to(worlds, len(start)), dtype=np.int32)
-        rays, hits = np.zeros(len(start), np.dtype(_abi.Ray)), np.zeros(len(start), np.dtype(_abi.RayHit))
-        rays["origin"], rays["max_distance"] = start, max_distance
-        rays["direction"] = matrix(directions, "directions", rows=len(start))
-        _set_filter(rays, **filter)
+        """First hits of rays in many worlds: ray k from ``origins[k]`` [m] in world ``worlds[k]``,
+        as `World.cast_rays`."""
+        rays = _rays(origins, directions, max_distance, filter)
+        hits = np.zeros(len(rays), np.dtype(_abi.Hit))
+        numbers = np.ascontiguousarray(np.broadcast_to(worlds, len(rays)), dtype=np.int32)
         check(lib.rb_worlds_cast_rays(self._handle.pointer, numbers.ctypes.data, rays.ctypes.data, len(rays),
                                       hits.ctypes.data))
         return hits

@@ -126,7 +126,10 @@ struct CpuOptions {
   bool timings = true;  ///< measure stage times
   /// Steps with the instructions of AVX2, which the build and the processor have.
   bool avx2 = false;
-  TaskSystem tasks = {};  ///< run all loops, if given
+  TaskSystem tasks = {};     ///< run all loops, if given
+  MemorySystem memory = {};  ///< of the tables
+  /// Each loop takes its elements one by one, the last one first: results must not depend on their order.
+  bool backward = false;
 };
 
 namespace f32 {

@@ -51,6 +51,8 @@ inline std::size_t elementsCounted(const SolverData& s, Per per) {
       return count(c.colors);
     case Per::Cell:
       return count(s.cells);
+    case Per::PathCell:
+      return count(c.pathCells);
     case Per::Vertex:
       return count(s.vertices);
     case Per::PointOwner:

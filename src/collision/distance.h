@@ -278,8 +278,14 @@ struct TimeOfImpact {
   Separation at;
 };
 inline constexpr double kNoImpact = 2;
-RUBBLE_HD inline TimeOfImpact timeOfImpact(const Placed& a, const SweptMotion& motionA, const Placed& b,
-                                           const SweptMotion& motionB, double tolerance) {
+/// The motion of a shape as far as its surface moves: a sphere about the center of its body does not rotate.
+RUBBLE_HD inline SweptMotion motionOfSurface(const Placed& s, const SweptMotion& motion) {
+  const bool rotates = s.shape.kind != ShapeKind::Sphere || s.arm != Vec3d{};
+  return rotates ? motion : SweptMotion{motion.move, {}, motion.until};
+}
+RUBBLE_HD inline TimeOfImpact timeOfImpact(const Placed& a, const SweptMotion& bodyA, const Placed& b,
+                                           const SweptMotion& bodyB, double tolerance) {
+  const SweptMotion motionA = motionOfSurface(a, bodyA), motionB = motionOfSurface(b, bodyB);
   constexpr int kMostSteps = 128;  // longer searches stay within the tolerance for long: an impact
   TimeOfImpact m{0, separation(a, b)};
   for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {

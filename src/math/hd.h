@@ -170,6 +170,15 @@ RUBBLE_HD inline void atomicRaise(int* p, int a) {
 #endif
 }
 
+/// *p = a; returns the old value. For lists whose order is not fixed.
+RUBBLE_HD inline int atomicExchange(int* p, int a) {
+#if defined(__CUDA_ARCH__)
+  return atomicExch(p, a);
+#else
+  return std::atomic_ref<int>(*p).exchange(a, std::memory_order_relaxed);
+#endif
+}
+
 /// *p |= bits
 RUBBLE_HD inline void atomicSet(int* p, int bits) {
 #if defined(__CUDA_ARCH__)

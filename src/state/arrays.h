@@ -74,6 +74,9 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::bucketCount, "bucketCount", "", Per::Cell, Lifetime::Work);
   is(&SolverData::bucketOffset, "bucketOffset", "", Per::Cell, Lifetime::Work, 1);
   is(&SolverData::grid, "grid", "", Per::Body, Lifetime::Unordered);
+  is(&SolverData::cellPaths, "cellPaths", "m", Per::PathCell, Lifetime::Work);
+  is(&SolverData::subcellFirst, "subcellFirst", "", Per::PathCell, Lifetime::Unordered);
+  is(&SolverData::subcellNext, "subcellNext", "", Per::PathCell, Lifetime::Unordered);
   is(&SolverData::pairSlot, "pairSlot", "", Per::BodySlot, Lifetime::Unordered);
   is(&SolverData::pairCount, "pairCount", "", Per::Body, Lifetime::Work);
   is(&SolverData::impactSpeedBound, "impactSpeedBound", "m/s", Per::Body, Lifetime::Work);

@@ -83,8 +83,16 @@ struct ExcludedPair {
 /// World AABB swept over the step, with its cell in the grid of its level.
 struct Bounds {
   Vec3 center, half;  ///< [m]
+  Vec3 path;          ///< predicted displacement in the step [m]
   int level;          ///< -1: not in the grid (planes, removed bodies)
   int x, y, z;        ///< cell
+};
+
+/// Bounds of the long paths in a bucket of the grid (stages/pairs/long_paths.h); all 0: there are none.
+struct alignas(32) CellPaths {
+  int most[2][3];  ///< kCellOrigin minus the lowest path and plus the highest, in kPathSteps of the cell
+  int half;        ///< largest half extent of the boxes at x^t, as the bits of a float [m]
+  int radius;      ///< largest bounding radius, likewise [m]
 };
 
 /// A body as stored in its grid bucket.
@@ -259,10 +267,12 @@ struct IslandRepair {
   int active;                 ///< 0: the sums are not finite
 };
 
-/// Grid levels. Cells of level k have an edge of 2^(k - kMetreLevel) m: a fixed ladder, not a scale of the
-/// scene.
-inline constexpr int kGridLevels = 32;
+/// Sizes of the cells of the grid. Cells of size k have an edge of 2^(k - kMetreLevel) m: a fixed ladder, not
+/// a scale of the scene.
+inline constexpr int kGridSizes = 32;
 inline constexpr int kMetreLevel = 16;
+/// Grid levels: one of each size, and another one of each size for bodies with long paths.
+inline constexpr int kGridLevels = 2 * kGridSizes;
 /// Bias of cell coordinates; larger than any cell index.
 inline constexpr int kCellOrigin = 1 << 30;
 /// A level with at most this many bodies keeps them in a list, so that queries need not visit many cells to
@@ -273,6 +283,7 @@ inline constexpr int kListedBodies = 8;
 /// again.
 struct Counters {
   int pairs, activePairs, manifolds, incidences, colors;
+  int pathCells;  ///< buckets that store long paths: all of the grid, or none
   int contacts, recycled, newPairs, tested;
   int aggregates, slices, boundary;
   int clashing, clashes, rounds;  ///< nodes that need a new color, color conflicts left, and coloring rounds

@@ -15,6 +15,7 @@ enum class Per {
   Manifold,
   Incidence,
   Cell,
+  PathCell,
   Color,
   Aggregate,
   Slice,

@@ -105,6 +105,9 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<int> bucketCount = nullptr;       ///< bodies per bucket
   Array<int> bucketOffset = nullptr;      ///< [cells + 1]
   Array<GridEntry> grid = nullptr;        ///< bodies sorted by bucket
+  Array<CellPaths> cellPaths = nullptr;   ///< bounds of the long paths in each bucket
+  Array<int> subcellFirst = nullptr;      ///< 1 + the first body of each bucket of subcells; 0: none
+  Array<int> subcellNext = nullptr;       ///< 1 + the next one after a body; 0: none
   Array<int> pairSlot = nullptr;          ///< [bodies][kPairSlots] partners found by the broad phase
   Array<int> pairCount = nullptr;         ///< pairs that the body owns
   Array<int> impactSpeedBound = nullptr;  ///< bound of the speed that an impact may give the body in this

@@ -7,22 +7,24 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// `Memory`: static allocate(bytes) (zeroed), release(pointer), copy(to, from, bytes).
+/// `Memory`: allocate(bytes) (zeroed), release(pointer), copy(to, from, bytes).
 template <class Memory> class SolverTables {
  public:
-  SolverTables() {
-    view_.counters = static_cast<Counters*>(Memory::allocate(sizeof(Counters)));
+  explicit SolverTables(Memory memory = {}) : SolverTables(std::in_place, std::move(memory)) {
+    // complete from here on: what throws calls the destructor
+    view_.counters = static_cast<Counters*>(memory_.allocate(sizeof(Counters)));
     for (int per = 0; per < kPerCount; ++per) reserve(static_cast<Per>(per), 1);
   }
   ~SolverTables() {
-    Memory::release(view_.counters);
+    memory_.release(view_.counters);
     forEachArray([&](const auto& array) {
-      if (!array.aliases) Memory::release(view_.*array.member);
+      if (!array.aliases) memory_.release(view_.*array.member);
     });
   }
   SolverTables(const SolverTables&) = delete;
   SolverTables& operator=(const SolverTables&) = delete;
 
+  const Memory& memory() const { return memory_; }
   SolverData& view() { return view_; }
   const SolverData& view() const { return view_; }
   int capacity(Per per) const { return capacity_[static_cast<int>(per)]; }
@@ -42,9 +44,9 @@ template <class Memory> class SolverTables {
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
       if (array.per != per || array.aliases) return;
       Array<T>& pointer = view_.*array.member;
-      T* const fresh = static_cast<T*>(Memory::allocate(bytesOf(array, grown)));
-      if (pointer) Memory::copy(fresh, pointer, bytesOf(array, capacity));
-      Memory::release(pointer);
+      T* const fresh = static_cast<T*>(memory_.allocate(bytesOf(array, grown)));
+      if (pointer) memory_.copy(fresh, pointer, bytesOf(array, capacity));
+      memory_.release(pointer);
       pointer = arrayOf(fresh, sizeOf(array, grown));
     });
     capacity = grown;
@@ -77,6 +79,8 @@ template <class Memory> class SolverTables {
   }
 
  private:
+  SolverTables(std::in_place_t, Memory memory) : memory_(std::move(memory)) {}
+
   /// Points the contact rows to the manifolds again at the end of its scope.
   struct Realias {
     SolverTables& tables;
@@ -99,6 +103,7 @@ template <class Memory> class SolverTables {
     return sizeof(T) * sizeOf(array, count);
   }
 
+  Memory memory_;
   SolverData view_;
   int capacity_[kPerCount] = {};
 };

@@ -31,10 +31,11 @@ struct Needs {
   void operator()(const AddVelocity&) {}
   void operator()(const ForgetContacts&) {}
   void operator()(const AddShape& e) {
-    vectors += static_cast<int>(e.shape->vectors.size());
-    indices += static_cast<int>(e.shape->indices.size());
-    parts += static_cast<int>(e.shape->parts.size());
+    vectors = std::max(vectors, e.place.vectors + static_cast<int>(e.shape->vectors.size()));
+    indices = std::max(indices, e.place.indices + static_cast<int>(e.shape->indices.size()));
+    parts = std::max(parts, e.place.parts + static_cast<int>(e.shape->parts.size()));
   }
+  void operator()(const DropShape&) {}
   void operator()(const SetSurfaces& e) {
     surfaces = std::max(surfaces, static_cast<int>(e.surfaces.size()));
     rules = std::max(rules, static_cast<int>(e.rules.size()));
@@ -58,9 +59,9 @@ void reserve(HostTables& tables, const Needs& needs) {
   if (needs.bodies > 0) reserveBodies(tables, needs.bodies);
   for (int type = 0; type < JointTypes::kSize; ++type)
     if (needs.joints[type] > 0) tables.reserve(perJoint(type), slotsFor(needs.joints[type]));
-  tables.reserve(Per::ShapeVector, tables.shapeVectors + needs.vectors);
-  tables.reserve(Per::ShapeIndex, tables.shapeIndices + needs.indices);
-  tables.reserve(Per::ShapePart, tables.shapeParts + needs.parts);
+  tables.reserve(Per::ShapeVector, needs.vectors);
+  tables.reserve(Per::ShapeIndex, needs.indices);
+  tables.reserve(Per::ShapePart, needs.parts);
   tables.reserve(Per::Surface, needs.surfaces);
   tables.reserve(Per::MaterialRule, needs.rules);
   tables.reserve(Per::Plane, needs.planes);
@@ -91,7 +92,8 @@ struct Apply {
   }
   void operator()(const AddVelocity& e) const { addVelocity(tables, slot(e.id), e.change); }
   void operator()(const ForgetContacts& e) const { forgetContacts(tables, e.ids); }
-  void operator()(const AddShape& e) const { addShape(tables, *e.shape, e.partSurfaces); }
+  void operator()(const AddShape& e) const { addShape(tables, *e.shape, e.partSurfaces, e.place); }
+  void operator()(const DropShape&) const {}
   void operator()(const SetSurfaces& e) const { setSurfaces(tables, e); }
   void operator()(const SetPlanes& e) const { setPlanes(tables, e.ids, e.firstOfWorld); }
   void operator()(const SetJoint& e) const {

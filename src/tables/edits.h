@@ -39,11 +39,21 @@ struct AddVelocity {
 struct ForgetContacts {
   std::vector<int> ids;
 };
-/// Appends the tables of a shape. `partSurfaces`: materials of its parts as indices into those of
-/// SetSurfaces; -1: that of the body.
+/// Where the vectors, indices and parts of a shape begin in the tables.
+struct ShapePlace {
+  int vectors = 0, indices = 0, parts = 0;
+  friend bool operator==(const ShapePlace&, const ShapePlace&) = default;
+};
+/// Writes the tables of a shape to a place that no other shape has. `partSurfaces`: materials of its parts as
+/// indices into those of SetSurfaces; -1: that of the body.
 struct AddShape {
   std::shared_ptr<const CookedShape> shape;
   std::vector<int> partSurfaces;
+  ShapePlace place = {};
+};
+/// From here on no body has the shape at this place, which another one may take.
+struct DropShape {
+  ShapePlace place;
 };
 /// All materials, and rules of pairs of them, ascending in world, low and high.
 struct SetSurfaces {
@@ -82,7 +92,7 @@ struct AddVertexForce {
 };
 
 using Edit = std::variant<SetBody, AddBodies, SetBodyState, AddForce, AddVelocity, ForgetContacts, AddShape,
-                          SetSurfaces, SetPlanes, SetJoint, SetExcluded, SetDeformables, SetVertices,
-                          AddVertexForce>;
+                          DropShape, SetSurfaces, SetPlanes, SetJoint, SetExcluded, SetDeformables,
+                          SetVertices, AddVertexForce>;
 
 }  // namespace rubble

@@ -51,7 +51,7 @@ QueryShelf::QueryShelf(std::span<const std::shared_ptr<const CookedShape>> shape
     ShapeData& shape = shapes_.emplace_back(shapeData(cooked->shape));
     if (shape.data < 0) continue;
     shape.data += tables_.shapeIndices;
-    addShape(tables_, *cooked, std::vector<int>(cooked->parts.size(), -1));
+    addShape(tables_, *cooked, std::vector<int>(cooked->parts.size(), -1), endOfShapes(tables_));
   }
 }
 

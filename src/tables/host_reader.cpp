@@ -19,13 +19,13 @@ Distribution distribution(std::vector<double>& values) {
   return d;
 }
 
-/// Calls visit(pair, manifold) for every pair of the last step that has contact points, of owners [begin,
-/// end).
+/// Calls visit(pair, its bodies, manifold) for every pair of the last step that has contact points, of owners
+/// [begin, end).
 template <class Visit> void forEachManifold(const SolverData& s, int begin, int end, Visit&& visit) {
   for (int k = s.oldPairOffset[begin]; k < s.oldPairOffset[end]; ++k)
     if (const int m = manifoldOfOld(s, k);
         m >= 0 && s.oldManifold[m].count > 0 && !s.oldManifold[m].passes && s.oldPair[k].other >= 0)
-      visit(ordered(s.oldPair[k]), s.oldManifold[m]);
+      visit(s.oldPair[k], ordered(s.oldPair[k]), s.oldManifold[m]);
 }
 
 /// The two surface points of a contact point, relative to the center of A.
@@ -42,7 +42,7 @@ SurfacePoints surfacePoints(const SolverData& s, const OrderedPair& o, const Man
 std::vector<EngineContact> HostReader::contacts() const {
   const SolverData& s = data();
   std::vector<EngineContact> out;
-  forEachManifold(s, bodiesBegin(), bodiesEnd(), [&](const OrderedPair& o, const Manifold& m) {
+  forEachManifold(s, bodiesBegin(), bodiesEnd(), [&](const Pair& p, const OrderedPair& o, const Manifold& m) {
     // a sleeping pair has no rows, but keeps its multipliers
     const bool sleeps = m.row < 0 && (RUBBLE_CORE::isAsleep(s, o.a) || RUBBLE_CORE::isAsleep(s, o.b));
     if (m.row < 0 && !sleeps) return;
@@ -50,12 +50,13 @@ std::vector<EngineContact> HostReader::contacts() const {
     const Vec3 n = r ? r->n : m.normal;
     Vec3 t1, t2;
     tangentBasis(n, t1, t2);
+    const PairParts parts = partsOf(s, p, o);
     for (int k = 0; k < m.count; ++k) {
       const SurfacePoints x = surfacePoints(s, o, m, k);
       const Vec3 force = r ? n * r->load[k].lambdaN + t1 * r->load[k].lambda1 + t2 * r->load[k].lambda2
                            : n * m.lambdaN[k] + t1 * m.lambda1[k] + t2 * m.lambda2[k];
       out.push_back({s.idOf[o.a], s.idOf[o.b], s.position[o.a] + Vec3d((x.onA + x.onB) * Real(.5)), Vec3d(n),
-                     Vec3d(force), static_cast<double>(dot(n, x.onA - x.onB))});
+                     Vec3d(force), static_cast<double>(dot(n, x.onA - x.onB)), parts.ofA, parts.ofB});
     }
   });
   return out;
@@ -64,7 +65,7 @@ std::vector<EngineContact> HostReader::contacts() const {
 std::vector<EngineTouch> HostReader::touches() const {
   const SolverData& s = data();
   std::vector<EngineTouch> out;
-  forEachManifold(s, bodiesBegin(), bodiesEnd(), [&](const OrderedPair& o, const Manifold& m) {
+  forEachManifold(s, bodiesBegin(), bodiesEnd(), [&](const Pair&, const OrderedPair& o, const Manifold& m) {
     bool touch = false;
     for (int k = 0; k < m.count; ++k) {
       const SurfacePoints x = surfacePoints(s, o, m, k);

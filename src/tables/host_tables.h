@@ -17,9 +17,11 @@ inline int slotsFor(int ids) {
 }
 
 struct HostTables : SolverTables<HostMemory> {
+  explicit HostTables(const MemorySystem& memory = {}) : SolverTables(HostMemory(memory)) {}
+
   int bodyIds = 0;                                         ///< slots beyond are a reserve of removed bodies
   int jointIds[JointTypes::kSize] = {};                    ///< the same for each joint type
-  int shapeVectors = 0, shapeIndices = 0, shapeParts = 0;  ///< elements of the shared tables in use
+  int shapeVectors = 0, shapeIndices = 0, shapeParts = 0;  ///< ends of the shared tables
   int excludedPairs = 0;
   std::vector<ExcludedPair> movingPairs;  ///< while the table of excluded pairs grows
   TreePlan trees;

@@ -59,6 +59,7 @@ struct EngineContact {
   int a, b;
   Vec3 position, normal, force;
   double depth;
+  int partA, partB;  ///< of compounds
 };
 
 /// Contact of a vertex with a body, or with another vertex (body -1).

@@ -8,27 +8,37 @@ ShapeData shapeData(const CookedData& shape) {
   return {Vec3(shape.half), static_cast<Real>(shape.radius), shape.kind, shape.data};
 }
 
-void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces) {
+ShapePlace endOfShapes(const HostTables& tables) {
+  return {tables.shapeVectors, tables.shapeIndices, tables.shapeParts};
+}
+
+void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces,
+              const ShapePlace& place) {
   SolverData& s = tables.view();
-  const int vectors = tables.shapeVectors, indices = tables.shapeIndices, parts = tables.shapeParts;
-  tables.reserve(Per::ShapeVector, vectors + static_cast<int>(shape.vectors.size()));
-  tables.reserve(Per::ShapeIndex, indices + static_cast<int>(shape.indices.size()));
-  tables.reserve(Per::ShapePart, parts + static_cast<int>(shape.parts.size()));
+  const auto [vectors, indices, parts] = place;
+  const auto endOf = [](int first, const auto& list) { return first + static_cast<int>(list.size()); };
+  tables.shapeVectors = std::max(tables.shapeVectors, endOf(vectors, shape.vectors));
+  tables.shapeIndices = std::max(tables.shapeIndices, endOf(indices, shape.indices));
+  tables.shapeParts = std::max(tables.shapeParts, endOf(parts, shape.parts));
+  tables.reserve(Per::ShapeVector, tables.shapeVectors);
+  tables.reserve(Per::ShapeIndex, tables.shapeIndices);
+  tables.reserve(Per::ShapePart, tables.shapeParts);
+  int vector = vectors, index = indices, part = parts;
   for (const auto& v : shape.vectors)
-    s.shapeVector[tables.shapeVectors++] = {static_cast<Real>(v[0]), static_cast<Real>(v[1]),
-                                            static_cast<Real>(v[2]), static_cast<Real>(v[3])};
-  for (const int index : shape.indices) s.shapeIndex[tables.shapeIndices++] = index;
-  for (const int place : shape.vectorPlaces) s.shapeIndex[indices + place] += vectors;
-  for (const int place : shape.indexPlaces) s.shapeIndex[indices + place] += indices;
-  for (const int place : shape.partPlaces) s.shapeIndex[indices + place] += parts;
+    s.shapeVector[vector++] = {static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2]),
+                               static_cast<Real>(v[3])};
+  for (const int value : shape.indices) s.shapeIndex[index++] = value;
+  for (const int at : shape.vectorPlaces) s.shapeIndex[indices + at] += vectors;
+  for (const int at : shape.indexPlaces) s.shapeIndex[indices + at] += indices;
+  for (const int at : shape.partPlaces) s.shapeIndex[indices + at] += parts;
   for (std::size_t i = 0; i < shape.parts.size(); ++i) {
-    const CookedPart& part = shape.parts[i];
-    ShapePart& out = s.shapePart[tables.shapeParts++];
-    out.shape = shapeData(part.shape);
+    const CookedPart& from = shape.parts[i];
+    ShapePart& out = s.shapePart[part++];
+    out.shape = shapeData(from.shape);
     if (out.shape.data >= 0) out.shape.data += indices;
-    out.position = Vec3(part.position);
-    out.rotation = normalize(Quat(part.rotation));
-    out.radius = static_cast<Real>(part.radius);
+    out.position = Vec3(from.position);
+    out.rotation = normalize(Quat(from.rotation));
+    out.radius = static_cast<Real>(from.radius);
     out.surface = partSurfaces[i];
   }
 }

@@ -118,7 +118,8 @@ inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},
                                                 {"pointPairs", Per::PointPair},
                                                 {"pointIncidences", Per::PointIncidence},
                                                 {"nearFeatures", Per::NearFeature},
-                                                {"freeIslands", Per::FreeIsland}};
+                                                {"freeIslands", Per::FreeIsland},
+                                                {"pathCells", Per::PathCell}};
 inline const char* kindName(Per per) {
   for (const CountedKind& kind : kCountedKinds)
     if (kind.per == per) return kind.name;

@@ -20,7 +20,9 @@ void setBodyCount(HostTables& tables, int ids);
 void clearBodySlots(HostTables& tables, int begin);
 /// Reserves aggregate arrays for the present capacity of bodies and soft nodes.
 void reserveNodes(HostTables& tables);
-void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
+ShapePlace endOfShapes(const HostTables& tables);
+void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces,
+              const ShapePlace& place);
 void setSurfaces(HostTables& tables, const SetSurfaces& edit);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
 /// Everything but its state.

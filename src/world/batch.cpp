@@ -107,13 +107,23 @@ void Batch::flushRules() {
   rulesChanged_ = false;
 }
 
-int Batch::placeShape(const AddShape& edit) {
-  const auto [place, isNew] = shapes_.try_emplace(edit.shape, shapeIndices_);
+int Batch::placeShape(const AddShape& shape) {
+  const auto [found, isNew] = shapes_.try_emplace(shape.shape);
+  ShapeInTables& own = found->second;
   if (isNew) {
-    engine_->apply(edit);
-    shapeIndices_ += static_cast<int>(edit.shape->indices.size());
+    own.place = space_.take(*shape.shape);
+    engine_->apply(AddShape{shape.shape, shape.partSurfaces, own.place});
   }
-  return place->second;
+  ++own.uses;
+  return own.place.indices;
+}
+
+void Batch::dropShape(const std::shared_ptr<const CookedShape>& shape) {
+  const auto found = shapes_.find(shape);
+  if (--found->second.uses > 0) return;
+  space_.prepare(1);
+  space_.give(found->second.place, *shape);
+  shapes_.erase(found);
 }
 
 /// Applies an edit in the numbers of a world to the tables.
@@ -123,16 +133,17 @@ struct Batch::Translate {
   Member& member;
 
   int body(int id) const { return id < 0 ? id : slotAt(member.bodies, id); }
+  static int beginOf(const AddShape& shape) { return shape.place.indices; }
   template <class Ids> void bodies(Ids& ids) const {
     for (int& id : ids) id = body(id);
   }
   int surface(int index) const { return index < 0 ? index : slotAt(member.surfaces, index); }
-  /// Finds or makes the place of a shape in the tables.
-  void place(const WorldReferences::PlacedShape& placed) const {
-    AddShape shape = placed.shape;
+  /// Places a shape of the world in the tables.
+  void place(AddShape shape) const {
     for (int& part : shape.partSurfaces) part = surface(part);
-    member.shapes.push_back(
-        {placed.base, batch.placeShape(shape), static_cast<int>(shape.shape->indices.size())});
+    const WorldShape placed{shape.place.indices, batch.placeShape(shape),
+                            static_cast<int>(shape.shape->indices.size())};
+    member.shapes.insert(std::ranges::upper_bound(member.shapes, placed.base, {}, &WorldShape::base), placed);
     batch.layoutChanged_ = true;
   }
 
@@ -161,10 +172,17 @@ struct Batch::Translate {
     batch.engine_->apply(e);
   }
   void operator()(const AddShape& e) const {
-    WorldReferences& own = member.references;
-    own.shapes.push_back({e, own.shapeIndices});
-    place(own.shapes.back());
-    own.shapeIndices += static_cast<int>(e.shape->indices.size());
+    std::vector<AddShape>& own = member.references.shapes;
+    own.insert(std::ranges::upper_bound(own, e.place.indices, {}, beginOf), e);
+    place(e);
+  }
+  void operator()(const DropShape& e) const {
+    std::vector<AddShape>& own = member.references.shapes;
+    const auto at = std::ranges::lower_bound(own, e.place.indices, {}, beginOf);
+    batch.dropShape(at->shape);
+    member.shapes.erase(member.shapes.begin() + (at - own.begin()));
+    own.erase(at);
+    batch.layoutChanged_ = true;
   }
   void operator()(const SetSurfaces& e) const {
     WorldReferences& own = member.references;
@@ -364,13 +382,16 @@ void Batch::takeReferences(int world, const WorldSnapshot& snapshot) {
     if (!before.excluded.contains({a, b})) translate(SetExcluded{a, b, true});
   planesChanged_ |= before.planes != to.planes;
   WorldReferences& now = member.references;
-  now.planes = to.planes, now.shapeIndices = to.shapeIndices;
+  now.planes = to.planes;
   if (before.surfaces != to.surfaces) translate(SetSurfaces{to.surfaces, to.rules});
-  const auto sameShapes = [](const auto& a, const auto& b) { return a.shape.shape == b.shape.shape; };
+  const auto sameShapes = [](const AddShape& a, const AddShape& b) {
+    return a.shape == b.shape && a.place == b.place;
+  };
   if (!std::ranges::equal(before.shapes, to.shapes, sameShapes)) {
     now.shapes = to.shapes;
     member.shapes.clear();
-    for (const auto& shape : now.shapes) translate.place(shape);
+    for (const AddShape& shape : to.shapes) translate.place(shape);
+    for (const AddShape& shape : before.shapes) dropShape(shape.shape);
   }
   const auto sameModels = [](const EngineSoftObject& a, const EngineSoftObject& b) {
     return a.model == b.model;

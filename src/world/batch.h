@@ -5,17 +5,13 @@
 #include <set>
 
 #include "backend/engine.h"
+#include "world/shape_space.h"
 
 namespace rubble {
 
 /// What a world refers to, in its own numbers. A snapshot has a copy.
 struct WorldReferences {
-  struct PlacedShape {
-    AddShape shape;
-    int base;  ///< offset of its indices
-  };
-  std::vector<PlacedShape> shapes;  ///< ascending in `base`
-  int shapeIndices = 0;
+  std::vector<AddShape> shapes;  ///< ascending in the places of their indices
   std::vector<Material> surfaces;
   std::vector<EngineMaterialRule> rules;  ///< of these materials
   std::vector<int> planes;                ///< bodies
@@ -85,7 +81,10 @@ class Batch {
   struct Translate;
   int surfaceOf(const Material& material);
   void flushRules();
-  int placeShape(const AddShape& edit);
+  /// Finds or makes the place of a shape in the tables: of its indices.
+  int placeShape(const AddShape& shape);
+  /// Takes back one call of placeShape().
+  void dropShape(const std::shared_ptr<const CookedShape>& shape);
   void flushSofts();
   void takeReferences(int world, const WorldSnapshot& snapshot);
 
@@ -98,9 +97,13 @@ class Batch {
   std::vector<int> spareBodies_;               ///< of no world
   std::vector<std::vector<int>> spareJoints_;  ///< likewise, by type
   std::vector<Material> surfaces_;
-  std::vector<EngineMaterialRule> rules_;                     ///< those in the tables, of all worlds
-  std::map<std::shared_ptr<const CookedShape>, int> shapes_;  ///< offset of their indices
-  int shapeIndices_ = 0;
+  std::vector<EngineMaterialRule> rules_;  ///< those in the tables, of all worlds
+  struct ShapeInTables {
+    ShapePlace place;
+    int uses = 0;  ///< by worlds
+  };
+  std::map<std::shared_ptr<const CookedShape>, ShapeInTables> shapes_;
+  ShapeSpace space_;
   std::map<int, EngineSettings> settings_;   ///< of worlds, not yet given to the engine
   std::vector<int> firstAxis_, firstJoint_;  ///< [worlds + 1]
   bool rowsChanged_ = true;

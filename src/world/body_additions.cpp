@@ -55,8 +55,13 @@ MassProperties massOfDefinition(const BodyDef& def, const MassProperties& unit, 
 
 }  // namespace
 
-BodyRecord recordOf(const BodyDef& def, const CookedShape& shape, const Path& path) {
-  return {def, massOfDefinition(def, shape.unit, path), {shape.unit.center, shape.unit.axes}, shape.radius};
+BodyRecord recordOf(const BodyDef& def, const PlacedShape& shape, const Path& path) {
+  const CookedShape& cooked = *shape.cooked;
+  return {def,
+          massOfDefinition(def, cooked.unit, path),
+          {cooked.unit.center, cooked.unit.axes},
+          cooked.radius,
+          shape.id};
 }
 
 EngineBody engineBody(const BodyRecord& record, const CookedData& shape, int surface) {
@@ -80,7 +85,7 @@ EngineBody engineBody(const BodyRecord& record, const CookedData& shape, int sur
   return body;
 }
 
-BodyAdditions::BodyAdditions(Registry& registry, CookedShapes* cooked, std::size_t count)
+BodyAdditions::BodyAdditions(Registry& registry, CookedShapes& cooked, std::size_t count)
     : registry_(registry), tables_(registry, cooked), planes_(registry.planes) {
   ids_.reserve(count), inTables_.reserve(count);
   registry_.bodies.prepare(static_cast<int>(count));
@@ -99,7 +104,7 @@ void BodyAdditions::add(const BodyDef& def, const Path& path) {
   if (!def.name.empty() && registry_.bodyNames.contains(def.name))
     throw Error(path + ".name", kOwnName, "\"" + def.name + "\"");
   const PlacedShape shape = tables_.place(def.shape, path + ".shape");
-  BodyRecord record = recordOf(def, shape.cooked, path);
+  BodyRecord record = recordOf(def, shape, path);
   inTables_.push_back({shape.data(), tables_.surfaceOf(def.material, record.frame.axes)});
   const BodyId id = registry_.bodies.next();
   if (def.shape.type == ShapeType::Plane) planes_.push_back(id.index);
@@ -124,6 +129,7 @@ std::vector<BodyId> BodyAdditions::commit(Engine& engine) {
 
   committed_ = true;
   tables_.commit(registry_);
+  for (const BodyId id : ids_) registry_.shapes.use(registry_.bodies[id].shape, &ShapeRecord::bodies);
   registry_.planes = std::move(planes_);
   return std::move(ids_);
 }

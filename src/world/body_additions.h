@@ -5,7 +5,7 @@
 namespace rubble {
 
 /// The record of a body. Throws Error for a mass or moments of inertia that the engine cannot have.
-BodyRecord recordOf(const BodyDef& def, const CookedShape& shape, const Path& path);
+BodyRecord recordOf(const BodyDef& def, const PlacedShape& shape, const Path& path);
 /// The body for the engine. `shape`, `surface`: as they are in its tables.
 EngineBody engineBody(const BodyRecord& record, const CookedData& shape, int surface);
 
@@ -14,8 +14,7 @@ EngineBody engineBody(const BodyRecord& record, const CookedData& shape, int sur
 /// first time costs more than all else that a body takes.
 class BodyAdditions {
  public:
-  /// `cooked`: shapes of other worlds, or null.
-  BodyAdditions(Registry& registry, CookedShapes* cooked, std::size_t count);
+  BodyAdditions(Registry& registry, CookedShapes& cooked, std::size_t count);
   ~BodyAdditions();
   BodyAdditions(const BodyAdditions&) = delete;
   BodyAdditions& operator=(const BodyAdditions&) = delete;

@@ -84,12 +84,11 @@ const std::vector<MaterialPair>& World::materialPairs() const { return impl_->re
 
 Material World::materialOf(BodyId id, int part) const {
   const BodyDef& def = definition(id);
-  const bool hasParts = def.shape.type == ShapeType::Compound;
-  const int count = hasParts ? static_cast<int>(def.shape.geometry->parts.size()) : 1;
-  if (part < 0 || part >= count)
-    throw Error("part", "an index below " + std::to_string(count), std::to_string(part));
-  return hasParts ? def.shape.geometry->parts[static_cast<std::size_t>(part)].material.value_or(def.material)
-                  : def.material;
+  const ShapePartDef* const found = partOf(def.shape, part);
+  return found ? found->material.value_or(def.material) : def.material;
+}
+std::uint64_t World::shapeUserData(BodyId id, int part) const {
+  return partUserData(definition(id).shape, part);
 }
 
 std::vector<JointId> World::jointsOf(BodyId id) const {

@@ -14,6 +14,7 @@ struct BodyRecord {
   MassProperties mass;
   ShapeFrame frame;  ///< engine frame in the authored frame
   double radius;     ///< of the bounding sphere about the center of mass [m]
+  ShapeId shape;
   std::vector<JointId> joints = {};
 };
 

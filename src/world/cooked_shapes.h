@@ -1,64 +1,46 @@
 #pragma once
-/// Cooked shapes that have geometry, found by it.
+/// Cooked shapes, found by the geometry that they are made of.
 #include <memory>
 #include <unordered_map>
-#include <vector>
 
 #include "collision/cooked_shape.h"
+#include "cook/cook.h"
 
 namespace rubble {
 
-/// A cooked shape and its place in tables.
-struct CookedEntry {
-  Shape key;
-  std::shared_ptr<const CookedShape> cooked;
-  int indexBase;  ///< offset of its indices in the shape tables
-};
-
+/// Shapes that are still in use somewhere. It keeps none alive.
 class CookedShapes {
  public:
-  const std::vector<CookedEntry>& entries() const { return entries_; }
-  int count() const { return static_cast<int>(entries_.size()); }
-  /// The entry of a shape with the same geometry, type and rounding, or null.
-  const CookedEntry* find(const Shape& shape) const {
-    const auto [begin, end] = places_.equal_range(shape.geometry.get());
+  /// The cooked shape of the same geometry, type and rounding. It is made if there is none: throws Error with
+  /// `path` for geometry that cannot be cooked.
+  std::shared_ptr<const CookedShape> get(const Shape& shape, const Path& path) {
+    const auto [begin, end] = entries_.equal_range(shape.geometry.get());
     for (auto at = begin; at != end; ++at) {
-      const CookedEntry& entry = entries_[static_cast<std::size_t>(at->second)];
-      if (entry.key.type == shape.type && entry.key.rounding == shape.rounding) return &entry;
+      const Entry& entry = at->second;
+      // the address may be that of other geometry before
+      if (entry.type != shape.type || entry.rounding != shape.rounding || entry.geometry.expired()) continue;
+      if (auto found = entry.cooked.lock()) return found;
     }
-    return nullptr;
-  }
-  void add(CookedEntry entry) {
-    const auto place = places_.emplace(entry.key.geometry.get(), count());
-    try {
-      entries_.push_back(std::move(entry));
-    } catch (...) {
-      places_.erase(place);
-      throw;
+    auto made = std::make_shared<const CookedShape>(cook(shape, path));
+    if (entries_.size() >= most_) {
+      std::erase_if(entries_, [](const auto& at) { return at.second.cooked.expired(); });
+      most_ = std::max(kLeast, 2 * entries_.size());
     }
-  }
-  /// Makes room, so that take() of these needs no memory.
-  void prepare(const CookedShapes& more) {
-    const std::size_t needed = entries_.size() + more.entries_.size();
-    if (needed > entries_.capacity()) entries_.reserve(std::max(needed, 2 * entries_.capacity()));
-    places_.reserve(needed);
-  }
-  /// Moves the entries of another list behind its own.
-  void take(CookedShapes&& more) noexcept {
-    for (auto& [geometry, place] : more.places_) place += count();
-    places_.merge(more.places_);
-    std::move(more.entries_.begin(), more.entries_.end(), std::back_inserter(entries_));
-  }
-  /// Calls fill(entries) on an empty list.
-  template <class Fill> void fill(Fill&& fill) {
-    fill(entries_);
-    for (int k = 0; k < count(); ++k)
-      places_.emplace(entries_[static_cast<std::size_t>(k)].key.geometry.get(), k);
+    entries_.emplace(shape.geometry.get(), Entry{shape.geometry, shape.type, shape.rounding, made});
+    return made;
   }
 
  private:
-  std::vector<CookedEntry> entries_;
-  std::unordered_multimap<const ShapeGeometry*, int> places_;  ///< in `entries_`
+  struct Entry {
+    std::weak_ptr<const ShapeGeometry> geometry;
+    ShapeType type;
+    double rounding;
+    std::weak_ptr<const CookedShape> cooked;
+  };
+  static constexpr std::size_t kLeast = 64;
+
+  std::unordered_multimap<const ShapeGeometry*, Entry> entries_;
+  std::size_t most_ = kLeast;  ///< entries before those without use are removed
 };
 
 }  // namespace rubble

@@ -26,6 +26,15 @@ void World::Impl::requireAlive(JointId id) const {
   if (!registry.joints.alive(id)) throw Error("joint", "an id that is alive", describe(id));
 }
 
+void World::Impl::requireAlive(ShapeId id) const {
+  if (!registry.shapes.alive(id)) throw Error("shape", "an id that is alive", describe(id));
+}
+
+void World::Impl::addDrop(std::vector<Edit>& edits, ShapeId id, int uses) const {
+  if (const ShapeRecord& record = registry.shapes[id]; record.cooked && registry.shapes.ends(id, uses))
+    edits.push_back(DropShape{record.place});
+}
+
 void World::Impl::redefine(BodyId id, BodyDef def) {
   requireAlive(id);
   const BodyRecord before = registry.bodies[id];
@@ -33,10 +42,10 @@ void World::Impl::redefine(BodyId id, BodyDef def) {
     throw Error("body.name", "that of the body, \"" + before.def.name + "\"", "\"" + def.name + "\"");
   validate(def, "body");
   const bool reshaped = !sameShape(def.shape, before.def.shape);
-  if (!reshaped) def.shape = before.def.shape;  // not an equal copy
-  TableAdditions tables(registry, cooked.get());
+  if (!reshaped) def.shape.geometry = before.def.shape.geometry;  // not an equal copy
+  TableAdditions tables(registry, *cooked);
   const PlacedShape shape = tables.place(def.shape, "body.shape");
-  BodyRecord after = recordOf(def, shape.cooked, "body");
+  BodyRecord after = recordOf(def, shape, "body");
   after.joints = before.joints;
   const bool wasPlane = hasPlane(before.def),
              framed = after.frame.center != before.frame.center || after.frame.axes != before.frame.axes,
@@ -64,7 +73,9 @@ void World::Impl::redefine(BodyId id, BodyDef def) {
       planes.insert(std::ranges::lower_bound(planes, id.index), id.index);
     edits.push_back(SetPlanes{planes});
   }
-  tables.prepare(registry);
+  const bool swaps = before.shape != shape.id;
+  if (swaps) addDrop(edits, before.shape, 1);
+  tables.prepare(registry, 1);
   registry.bodies.prepare(0), registry.joints.prepare(0);
   // joints see the new frame and mass of the body
   BodyRecord& record = registry.bodies.edit(id);
@@ -79,6 +90,10 @@ void World::Impl::redefine(BodyId id, BodyDef def) {
 
   undo.keep();
   tables.commit(registry);
+  if (swaps) {
+    registry.shapes.use(record.shape, &ShapeRecord::bodies);
+    registry.shapes.drop(before.shape, &ShapeRecord::bodies);
+  }
   registry.planes = std::move(planes);
   for (auto& [joint, changed] : joints) registry.joints.edit(joint).engine = std::move(changed);
   for (const AttachmentId a : registry.attachments.ids()) softChanged |= registry.attachments[a].body == id;
@@ -121,12 +136,21 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
   for (const auto& [a, b] : registry.exclusions)
     if (goes(a) || goes(b)) edits.push_back(SetExcluded{a, b, false});
   for (const int slot : slots) edits.push_back(SetBody{slot, {}});
+  std::vector<ShapeId> shapes;
+  for (const BodyId id : ids) shapes.push_back(registry.bodies[id].shape);
+  std::ranges::sort(shapes, {}, &ShapeId::index);
+  for (auto of = shapes.begin(); of != shapes.end();) {
+    const auto next = std::find_if(of, shapes.end(), [&](ShapeId id) { return id != *of; });
+    addDrop(edits, *of, static_cast<int>(next - of));
+    of = next;
+  }
   std::vector<int> planes = registry.planes;
   if (std::erase_if(planes, goes) > 0) edits.push_back(SetPlanes{planes});
   edits.push_back(ForgetContacts{slots});
   prepareToDrop(joints);
   registry.bodies.prepare(static_cast<int>(ids.size()));
   registry.attachments.prepare(static_cast<int>(attachments.size()));
+  registry.shapes.prepare(0, static_cast<int>(ids.size()));
   engine->apply(edits);
 
   for (const JointId id : joints) dropJoint(id);
@@ -135,6 +159,7 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
   std::erase_if(registry.exclusions, [&](const auto& pair) { return goes(pair.first) || goes(pair.second); });
   for (const BodyId id : ids) {
     if (const std::string& name = registry.bodies[id].def.name; !name.empty()) registry.bodyNames.erase(name);
+    registry.shapes.drop(registry.bodies[id].shape, &ShapeRecord::bodies);
     registry.bodies.remove(id);
   }
   registry.planes = std::move(planes);

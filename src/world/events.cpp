@@ -20,8 +20,10 @@ std::vector<Touch> World::Impl::collectContacts(Events& to) const {
   std::vector<Touch> now;
   for (const EngineTouch& t : engine->read().touches()) {
     const auto a = registry.bodies.at(t.a), b = registry.bodies.at(t.b);
-    if (a && b)
-      now.push_back({*a, *b, t.sensor, registry.bodies[*a].def.userData, registry.bodies[*b].def.userData});
+    if (!a || !b) continue;
+    const BodyDef &first = registry.bodies[*a].def, &second = registry.bodies[*b].def;
+    now.push_back(
+        {*a, *b, t.sensor, first.userData, second.userData, first.shape.userData, second.shape.userData});
   }
   std::sort(now.begin(), now.end(), before);
   // two bodies may touch at several of their parts
@@ -36,13 +38,15 @@ std::vector<Touch> World::Impl::collectContacts(Events& to) const {
     event.phase = phase;
     event.a = touch.a, event.b = touch.b;
     event.userDataA = touch.userDataA, event.userDataB = touch.userDataB;
+    event.shapeUserDataA = touch.shapeUserDataA, event.shapeUserDataB = touch.shapeUserDataB;
     event.sensor = touch.sensor;
     if (phase == Phase::End || touch.sensor) return;
     const auto key = std::pair(touch.a.index, touch.b.index);
     auto p = std::lower_bound(points.begin(), points.end(), key,
                               [](const EngineContact& c, const auto& k) { return std::pair(c.a, c.b) < k; });
     for (; p != points.end() && std::pair(p->a, p->b) == key; ++p) {
-      event.points.push_back({touch.a, touch.b, p->position, p->normal, p->depth, p->force});
+      event.points.push_back(
+          {touch.a, touch.b, p->position, p->normal, p->depth, p->force, p->partA, p->partB});
       event.impulse += p->force * params.dt;
     }
   };
@@ -135,7 +139,7 @@ std::vector<ContactPoint> World::contacts() const {
     std::vector<ContactPoint> out;
     for (const EngineContact& c : impl_->engine->read().contacts()) {
       const auto a = impl_->registry.bodies.at(c.a), b = impl_->registry.bodies.at(c.b);
-      if (a && b) out.push_back({*a, *b, c.position, c.normal, c.depth, c.force});
+      if (a && b) out.push_back({*a, *b, c.position, c.normal, c.depth, c.force, c.partA, c.partB});
     }
     return out;
   });

@@ -73,7 +73,7 @@ std::vector<BodyId> World::addBodies(std::span<const BodyDef> bodies) {
 }
 
 std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies, const Path& list) {
-  BodyAdditions added(registry, cooked.get(), bodies.size());
+  BodyAdditions added(registry, *cooked, bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) added.add(bodies[k], list[k]);
   std::vector<BodyId> ids = added.commit(*engine);
   epoch += static_cast<std::int64_t>(bodies.size());

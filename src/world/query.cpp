@@ -30,9 +30,10 @@ EngineQuery filtered(const QueryFilter& filter, const Registry& registry) {
 }
 
 /// Authored index of a triangle in the tables.
-int authoredTriangle(const Registry& registry, const Shape& shape, int triangle) {
-  if (triangle < 0 || shape.type != ShapeType::Mesh) return triangle;
-  return registry.shapes.find(shape)->cooked->triangleOrder[static_cast<std::size_t>(triangle)];
+int authoredTriangle(const Registry& registry, BodyId body, int triangle) {
+  const ShapeRecord& record = registry.shapes[registry.bodies[body].shape];
+  if (triangle < 0 || record.shape.type != ShapeType::Mesh) return triangle;
+  return record.cooked->triangleOrder[static_cast<std::size_t>(triangle)];
 }
 
 /// The part of a hit that all kinds have.
@@ -42,7 +43,8 @@ template <class Hit> Hit hitOf(const Registry& registry, const EngineHit& found)
   if constexpr (requires { hit.hit; }) hit.hit = true, hit.position = found.position;
   hit.body = *registry.bodies.at(found.body);
   hit.part = found.part;
-  hit.userData = registry.bodies[hit.body].def.userData;
+  const BodyDef& def = registry.bodies[hit.body].def;
+  hit.userData = def.userData, hit.shapeUserData = partUserData(def.shape, hit.part);
   return hit;
 }
 
@@ -133,7 +135,7 @@ std::vector<std::vector<Hit>> mergeAll(World& world, const EngineQueries& asked,
 /// once.
 class QueryShapeList {
  public:
-  explicit QueryShapeList(const Registry& registry) : registry_(registry) {}
+  QueryShapeList(const Registry& registry, CookedShapes& shapes) : registry_(registry), shapes_(shapes) {}
 
   template <class Query> EngineQuery query(const Query& query, const char* list, std::size_t i) {
     const ShapeType type = query.shape.type;
@@ -159,21 +161,21 @@ class QueryShapeList {
  private:
   /// Place of the cooked shape in the list.
   int place(const Shape& shape, const Path& path) {
-    std::shared_ptr<const CookedShape> cooked;
-    if (shape.geometry) {
-      if (const CookedEntry* own = entries_.find(shape)) return own->indexBase;
-      if (const CookedEntry* entry = registry_.shapes.find(shape)) cooked = entry->cooked;
+    const int next = static_cast<int>(cooked_.size());
+    if (!shape.geometry) {
+      cooked_.push_back(std::make_shared<const CookedShape>(cook(shape, path)));
+      return next;
     }
-    if (!cooked) cooked = std::make_shared<const CookedShape>(cook(shape, path));
-    const int place = static_cast<int>(cooked_.size());
-    cooked_.push_back(cooked);
-    if (shape.geometry) entries_.add({shape, cooked, place});
-    return place;
+    auto cooked = shapes_.get(shape, path);
+    const auto [place, isNew] = places_.try_emplace(cooked.get(), next);
+    if (isNew) cooked_.push_back(std::move(cooked));
+    return place->second;
   }
 
   const Registry& registry_;
+  CookedShapes& shapes_;
   std::vector<std::shared_ptr<const CookedShape>> cooked_;
-  CookedShapes entries_;  ///< with their places
+  std::unordered_map<const CookedShape*, int> places_;  ///< in the list
 };
 
 }  // namespace
@@ -197,7 +199,7 @@ RayHit hitOf(const EngineHit& found, const RayQuery& ray, const Registry& regist
   RayHit hit = hitOf<RayHit>(registry, found);
   if (!hit.hit) return hit;
   hit.distance = found.fraction * ray.maxDistance, hit.normal = found.normal;
-  hit.triangle = authoredTriangle(registry, registry.bodies[hit.body].def.shape, found.triangle);
+  hit.triangle = authoredTriangle(registry, hit.body, found.triangle);
   return hit;
 }
 
@@ -229,11 +231,16 @@ CastHit castHitOf(const Registry& registry, const EngineHit& found) {
   CastHit hit = hitOf<CastHit>(registry, found);
   if (!hit.hit) return hit;
   hit.fraction = found.fraction, hit.normal = found.normal;
-  hit.triangle = authoredTriangle(registry, registry.bodies[hit.body].def.shape, found.triangle);
+  hit.triangle = authoredTriangle(registry, hit.body, found.triangle);
   return hit;
 }
 
 }  // namespace
+
+void World::Impl::addObjectHits(std::span<EngineQuery> queries, std::span<const EngineHit> bodies,
+                                std::span<const RayQuery> rays, std::span<RayHit> hits) {
+  mergeFirst(*this, {QueryKind::Ray, queries, {}}, bodies, rays, hits);
+}
 
 std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
   return withMemory("castRays", [&] {
@@ -250,11 +257,10 @@ void World::castRays(std::span<const RayQuery> rays, std::span<RayHit> hits) {
     impl_->flush();
     const std::span<EngineQuery> queries = impl_->engine->queryRoom(rays.size());
     translate(*impl_, rays, queries);
-    const EngineQueries asked{QueryKind::Ray, queries, {}};
-    const std::span<const EngineHit> found = impl_->engine->hits(asked);
+    const std::span<const EngineHit> found = impl_->engine->hits({QueryKind::Ray, queries, {}});
     forEachIndex(impl_->tasks, rays.size(),
                  [&](std::size_t i) { hits[i] = hitOf(found[i], rays[i], impl_->registry); });
-    mergeFirst(*impl_, asked, found, rays, hits);
+    impl_->addObjectHits(queries, found, rays, hits);
   });
 }
 
@@ -268,7 +274,7 @@ std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
   return withMemory("castShapes", [&] {
     impl_->flush();
     const std::span<EngineQuery> queries = impl_->engine->queryRoom(casts.size());
-    QueryShapeList shapes(impl_->registry);
+    QueryShapeList shapes(impl_->registry, *impl_->cooked);
     translate(casts, shapes, queries);
     const EngineQueries asked{QueryKind::Cast, queries, shapes.cooked()};
     const std::span<const EngineHit> found = impl_->engine->hits(asked);
@@ -283,7 +289,7 @@ std::vector<std::vector<BodyId>> World::overlaps(std::span<const OverlapQuery> s
   return withMemory("overlaps", [&] {
     impl_->flush();
     const std::span<EngineQuery> queries = impl_->engine->queryRoom(shapes.size());
-    QueryShapeList list(impl_->registry);
+    QueryShapeList list(impl_->registry, *impl_->cooked);
     for (std::size_t i = 0; i < shapes.size(); ++i) queries[i] = list.query(shapes[i], "shapes", i);
     const EngineOverlaps found = impl_->engine->overlaps({QueryKind::Overlap, queries, list.cooked()});
     std::vector<std::vector<BodyId>> out(shapes.size());
@@ -332,7 +338,7 @@ std::vector<std::vector<CastHit>> World::castShapesAll(std::span<const CastQuery
   return withMemory("castShapesAll", [&] {
     impl_->flush();
     std::vector<EngineQuery> queries(casts.size());
-    QueryShapeList shapes(impl_->registry);
+    QueryShapeList shapes(impl_->registry, *impl_->cooked);
     translate(casts, shapes, queries);
     return mergeAll<CastHit>(
         *impl_, {QueryKind::Cast, queries, shapes.cooked()}, casts,
@@ -344,7 +350,7 @@ std::vector<std::vector<OverlapHit>> World::overlapsAll(std::span<const OverlapQ
   return withMemory("overlapsAll", [&] {
     impl_->flush();
     std::vector<EngineQuery> queries(shapes.size());
-    QueryShapeList list(impl_->registry);
+    QueryShapeList list(impl_->registry, *impl_->cooked);
     for (std::size_t i = 0; i < shapes.size(); ++i) queries[i] = list.query(shapes[i], "shapes", i);
     return mergeAll<OverlapHit>(
         *impl_, {QueryKind::Overlap, queries, list.cooked()}, shapes,

@@ -49,6 +49,18 @@ bool sameShape(const Shape& a, const Shape& b) {
          std::ranges::equal(g.parts, h.parts, samePart);
 }
 
+const ShapePartDef* partOf(const Shape& shape, int part) {
+  const bool hasParts = shape.type == ShapeType::Compound;
+  const int count = hasParts ? static_cast<int>(shape.geometry->parts.size()) : 1;
+  if (part < 0 || part >= count)
+    throw Error("part", "an index below " + std::to_string(count), std::to_string(part));
+  return hasParts ? &shape.geometry->parts[static_cast<std::size_t>(part)] : nullptr;
+}
+std::uint64_t partUserData(const Shape& shape, int part) {
+  const ShapePartDef* const found = partOf(shape, part);
+  return found ? found->shape.userData : shape.userData;
+}
+
 int TableAdditions::addSurface(const Material& material) {
   surfaces_.push_back(material);
   return static_cast<int>(registry_.surfaces.size() + surfaces_.size()) - 1;
@@ -67,33 +79,38 @@ int TableAdditions::surfaceOf(const Material& authored, const Quat& axes) {
 }
 
 PlacedShape TableAdditions::place(const Shape& shape, const Path& path) {
-  if (!shape.geometry) {
-    // bodies in sequence often have one shape
-    if (!plain_ || !sameShape(shape, *plain_)) plainCooked_ = cook(shape, path), plain_ = shape;
-    return {plainCooked_, 0};
+  // bodies in sequence often have one shape
+  if (last_ && WorldShapes::identical(shape, *last_)) return lastPlaced_;
+  const std::optional<ShapeId> old = registry_.shapes.find(shape);
+  const ShapeId fresh = old ? ShapeId{} : addShape(shape, path);
+  const ShapeRecord& record = old ? registry_.shapes[*old] : shapes_[fresh];
+  if (!record.cooked) plain_ = cook(shape, path);
+  last_ = shape;
+  return lastPlaced_ = {record.cooked ? record.cooked.get() : &plain_,
+                        old ? *old : registry_.shapes.next(fresh.index), record.place.indices};
+}
+
+ShapeId TableAdditions::addShape(const Shape& shape, const Path& path) {
+  if (const std::optional<ShapeId> found = shapes_.find(shape)) return *found;
+  ShapeRecord record{shape};
+  if (shape.geometry) {
+    record.cooked = cooked_.get(shape, path);
+    if (!space_) space_ = registry_.shapes.space();
+    record.place = space_->take(*record.cooked);
+    addShapes_.push_back({record.cooked, {}, record.place});
+    for (const CookedPart& part : record.cooked->parts) {
+      int surface = part.material ? surfaceOf(*part.material, record.cooked->unit.axes) : -1;
+      // a material that overrides that of the body is always in the table
+      if (part.material && surface < 0) surface = addSurface(*part.material);
+      addShapes_.back().partSurfaces.push_back(surface);
+    }
   }
-  for (const CookedShapes* const list : {&registry_.shapes, &std::as_const(shapes_)})
-    if (const CookedEntry* entry = list->find(shape)) return {*entry->cooked, entry->indexBase};
-  const CookedEntry* const other = cooked_ ? cooked_->find(shape) : nullptr;
-  CookedEntry entry{shape, other ? other->cooked : std::make_shared<const CookedShape>(cook(shape, path)), 0};
-  if (cooked_ && !other) cooked_->add(entry);
-  std::vector<int>& surfaces = partSurfaces_.emplace_back();
-  for (const CookedPart& part : entry.cooked->parts) {
-    int surface = part.material ? surfaceOf(*part.material, entry.cooked->unit.axes) : -1;
-    // a material that overrides that of the body is always in the table
-    if (part.material && surface < 0) surface = addSurface(*part.material);
-    surfaces.push_back(surface);
-  }
-  entry.indexBase = registry_.shapeIndices + indices_;
-  indices_ += static_cast<int>(entry.cooked->indices.size());
-  shapes_.add(entry);
-  return {*entry.cooked, entry.indexBase};
+  shapes_.prepare(1, 0);
+  return shapes_.add(std::move(record));
 }
 
 std::vector<Edit> TableAdditions::edits() const {
-  std::vector<Edit> out;
-  for (std::size_t k = 0; k < partSurfaces_.size(); ++k)
-    out.push_back(AddShape{shapes_.entries()[k].cooked, partSurfaces_[k]});
+  std::vector<Edit> out(addShapes_.begin(), addShapes_.end());
   if (!surfaces_.empty()) out.push_back(surfacesEdit(surfaces(), registry_.materialPairs));
   return out;
 }
@@ -126,15 +143,58 @@ SetSurfaces surfacesEdit(std::vector<Material> surfaces, std::span<const Materia
   return edit;
 }
 
-void TableAdditions::prepare(Registry& registry) const {
+void TableAdditions::prepare(Registry& registry, int dropped) {
   reserveMore(registry.surfaces, static_cast<int>(surfaces_.size()));
-  registry.shapes.prepare(shapes_);
+  registry.shapes.prepare(shapes_.count(), dropped);
+  if (space_) space_->prepare(dropped);
 }
 
 void TableAdditions::commit(Registry& registry) noexcept {
   registry.surfaces.insert(registry.surfaces.end(), surfaces_.begin(), surfaces_.end());
-  registry.shapes.take(std::move(shapes_));
-  registry.shapeIndices += indices_;
+  for (int k = 0; k < shapes_.count(); ++k) registry.shapes.add(shapes_[ShapeId{k, 0}]);
+  if (space_) registry.shapes.setSpace(std::move(*space_));
+}
+
+ShapeId World::addShape(const Shape& shape) {
+  return withMemory("addShape", [&] {
+    validate(shape, "shape");
+    TableAdditions tables(impl_->registry, *impl_->cooked);
+    const ShapeId id = tables.place(shape, "shape").id;
+    const std::vector<Edit> edits = tables.edits();
+    tables.prepare(impl_->registry);
+    impl_->engine->apply(edits);
+    tables.commit(impl_->registry);
+    impl_->registry.shapes.use(id, &ShapeRecord::held);
+    return id;
+  });
+}
+void World::removeShape(ShapeId id) {
+  withMemory("removeShape", [&] {
+    impl_->requireAlive(id);
+    WorldShapes& shapes = impl_->registry.shapes;
+    if (shapes[id].held == 0) throw Error("shape", "one that addShape() has added", "one of bodies alone");
+    std::vector<Edit> edits;
+    impl_->addDrop(edits, id, 1);
+    shapes.prepare(0, 1);
+    impl_->engine->apply(edits);
+    shapes.drop(id, &ShapeRecord::held);
+  });
+}
+bool World::alive(ShapeId id) const { return impl_->registry.shapes.alive(id); }
+std::vector<ShapeId> World::shapes() const {
+  return withMemory("shapes", [&] { return impl_->registry.shapes.ids(); });
+}
+ShapeId World::shapeOf(BodyId id) const {
+  impl_->requireAlive(id);
+  return impl_->registry.bodies[id].shape;
+}
+const Shape& World::definition(ShapeId id) const {
+  impl_->requireAlive(id);
+  return impl_->registry.shapes[id].shape;
+}
+int World::useCount(ShapeId id) const {
+  impl_->requireAlive(id);
+  return impl_->registry.shapes[id].bodies + impl_->registry.shapes[id].held;
 }
 
 }  // namespace rubble

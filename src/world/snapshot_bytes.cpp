@@ -25,7 +25,7 @@ template <class A> void fields(A& a, MaterialPair& p) {
 }
 template <class A> void fields(A& a, MassProperties& m) { all(a, m.mass, m.inertia, m.center, m.axes); }
 template <class A> void fields(A& a, Shape& s) {
-  all(a, s.type, s.halfExtents, s.radius, s.halfLength, s.rounding, s.geometry);
+  all(a, s.type, s.halfExtents, s.radius, s.halfLength, s.rounding, s.geometry, s.userData);
 }
 template <class A> void fields(A& a, ShapePartDef& p) {
   all(a, p.shape, p.position, p.orientation, p.material, p.density);
@@ -97,7 +97,9 @@ template <class A> void fields(A& a, AttachmentDef& d) {
 }
 
 template <class A> void fields(A& a, ShapeFrame& f) { all(a, f.center, f.axes); }
-template <class A> void fields(A& a, BodyRecord& r) { all(a, r.def, r.mass, r.frame, r.radius, r.joints); }
+template <class A> void fields(A& a, BodyRecord& r) {
+  all(a, r.def, r.mass, r.frame, r.radius, r.shape, r.joints);
+}
 template <class A> void fields(A& a, EngineGroup& g) { all(a, g.mode, g.stiffness, g.damping, g.bound); }
 template <class A> void fields(A& a, JointConstants& c) { fields(a, c.bytes()); }
 template <class A> void fields(A& a, EngineJoint& j) {
@@ -118,16 +120,8 @@ template <class A> void fields(A& a, SoftRecord& r) {
 template <class A> void fields(A& a, AttachmentRecord& r) {
   all(a, r.def, r.object, r.otherObject, r.body, r.anchor, r.order, r.engineIndex);
 }
-template <class A> void fields(A& a, Touch& t) { all(a, t.a, t.b, t.sensor, t.userDataA, t.userDataB); }
-template <class A> void fields(A& a, CookedEntry& e) {
-  all(a, e.key, e.indexBase);
-  if constexpr (A::kReads) e.cooked = std::make_shared<const CookedShape>(cook(e.key, "snapshot"));
-}
-template <class A> void fields(A& a, CookedShapes& shapes) {
-  if constexpr (A::kReads)
-    shapes.fill([&](std::vector<CookedEntry>& entries) { fields(a, entries); });
-  else
-    fields(a, const_cast<std::vector<CookedEntry>&>(shapes.entries()));  // a writer changes nothing
+template <class A> void fields(A& a, Touch& t) {
+  all(a, t.a, t.b, t.sensor, t.userDataA, t.userDataB, t.shapeUserDataA, t.shapeUserDataB);
 }
 template <class A, class I, class Def> void fields(A& a, Slots<I, Def>& slots) {
   slots.forLists([&](auto& items, auto& free) {
@@ -138,6 +132,19 @@ template <class A, class I, class Def> void fields(A& a, Slots<I, Def>& slots) {
     }
     fields(a, free);
   });
+}
+template <class A> void fields(A& a, RangeSpace::Range& r) { all(a, r.first, r.size); }
+template <class A> void fields(A& a, ShapeRecord& r) {
+  all(a, r.shape, r.place.vectors, r.place.indices, r.place.parts, r.bodies, r.held);
+  if constexpr (A::kReads)
+    if (r.shape.geometry) r.cooked = std::make_shared<const CookedShape>(cook(r.shape, "snapshot"));
+}
+template <class A> void fields(A& a, WorldShapes& shapes) {
+  shapes.forMembers([&](auto& records, ShapeSpace& space) {
+    fields(a, records);
+    space.forMembers([&](auto& member) { fields(a, member); });
+  });
+  if constexpr (A::kReads) shapes.linkAll();
 }
 template <class A> void fields(A& a, Tuning& t) {
   all(a, t.startStiffness, t.tangentStiffness, t.maxStiffness, t.contactPolicy, t.jointPolicy,
@@ -158,14 +165,14 @@ template <class A> void fields(A& a, Event& e) {
 }
 template <class A> void fields(A& a, Registry& r) {
   all(a, r.bodies, r.joints, r.softs, r.attachments, r.softNames, r.sceneSofts, r.softOrder, r.bodyNames,
-      r.jointNames, r.sceneBodies, r.shapes, r.shapeIndices, r.shapeParts, r.surfaces, r.materialPairs);
+      r.jointNames, r.sceneBodies, r.shapes, r.surfaces, r.materialPairs);
   all(a, r.freeJointSlots, r.jointSlots, r.exclusions, r.planes, r.touches, r.sleepers, r.hasUnlistedBreaks,
       r.gravity, r.step, r.time, r.script, r.nextEvent);
 }
 
 namespace {
 
-constexpr std::string_view kMagic = "rubble snapshot 2\n";
+constexpr std::string_view kMagic = "rubble snapshot 3\n";
 
 /// What has to be equal for bytes to be read: the version, and the layout of the tables.
 std::string layoutOf(bool doublePrecision) {

@@ -48,7 +48,7 @@ void World::Impl::requireAlive(AttachmentId id) const {
 
 int World::Impl::placeMaterial(const Material& material) {
   if (material.name.empty()) return -1;
-  TableAdditions tables(registry);
+  TableAdditions tables(registry, *cooked);
   const int surface = tables.surfaceOf(material, Quat{});
   tables.prepare(registry);
   engine->apply(tables.edits());

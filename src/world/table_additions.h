@@ -4,14 +4,15 @@
 
 namespace rubble {
 
-/// A cooked shape, valid until the next one is placed.
+/// A shape of the world, valid until the next one is placed.
 struct PlacedShape {
-  const CookedShape& cooked;
-  int indexBase;  ///< of its indices in the tables of the engine
+  const CookedShape* cooked;
+  ShapeId id;
+  int indices;  ///< where those of it begin in the tables of the engine
 
   CookedData data() const {
-    CookedData own = cooked.shape;
-    if (own.data >= 0) own.data += indexBase;
+    CookedData own = cooked->shape;
+    if (own.data >= 0) own.data += indices;
     return own;
   }
 };
@@ -19,34 +20,35 @@ struct PlacedShape {
 /// They are not in the tables before the edits are applied and commit() is called.
 class TableAdditions {
  public:
-  /// `cooked`: shapes of other worlds, or null.
-  explicit TableAdditions(const Registry& registry, CookedShapes* cooked = nullptr)
-      : registry_(registry), cooked_(cooked) {}
+  TableAdditions(const Registry& registry, CookedShapes& cooked) : registry_(registry), cooked_(cooked) {}
 
   /// Index into the materials of the engine, or -1 if the material needs no entry. `axes`: of the engine
   /// frame in that of the material.
   int surfaceOf(const Material& authored, const Quat& axes);
-  /// Cooks a shape and gives it a place, unless the tables have its geometry already. Throws Error with
-  /// `path` for geometry that cannot be cooked.
+  /// Finds a shape, or cooks it and gives it a place. Throws Error with `path` for geometry that cannot be
+  /// cooked.
   PlacedShape place(const Shape& shape, const Path& path);
   std::vector<Edit> edits() const;
   /// All materials with those that are added.
   std::vector<Material> surfaces() const;
-  /// Makes room, so that commit() needs no memory.
-  void prepare(Registry& registry) const;
+  /// Makes room, so that commit() and the end of `dropped` shapes need no memory.
+  void prepare(Registry& registry, int dropped = 0);
   void commit(Registry& registry) noexcept;
 
  private:
   int addSurface(const Material& material);
+  /// Id in `shapes_`.
+  ShapeId addShape(const Shape& shape, const Path& path);
 
   const Registry& registry_;
-  CookedShapes* const cooked_;
+  CookedShapes& cooked_;
   std::vector<Material> surfaces_;
-  CookedShapes shapes_;
-  std::vector<std::vector<int>> partSurfaces_;  ///< of each shape
-  int indices_ = 0;
-  std::optional<Shape> plain_;  ///< the last shape without geometry, and what it has become
-  CookedShape plainCooked_;
+  WorldShapes shapes_;               ///< new ones, in the order of their ids
+  std::vector<AddShape> addShapes_;  ///< those with geometry
+  std::optional<ShapeSpace> space_;  ///< with their places
+  std::optional<Shape> last_;        ///< the last one that was placed, and what it has become
+  PlacedShape lastPlaced_{};
+  CookedShape plain_;  ///< the last one without geometry
 };
 
 }  // namespace rubble

@@ -26,8 +26,8 @@ std::string joined(const std::vector<std::string>& names) {
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   const std::string best = instructionSets().back(), given = options.instructionSet;
   const CpuOptions cpu{options.threads, options.timings, (given.empty() ? best : given) == "avx2",
-                       options.tasks};
-  if (options.backend == "cpu") return f32::makeCpuEngine(cpu);
+                       options.tasks, options.memory, options.backend == "backward"};
+  if (options.backend == "cpu" || cpu.backward) return f32::makeCpuEngine(cpu);
 #if defined(RUBBLE_HAS_REFERENCE)
   if (options.backend == "reference") return f64::makeCpuEngine(cpu);
 #endif
@@ -50,9 +50,13 @@ void validate(const WorldOptions& options) {
   if (options.threads < 0 || options.threads > kMostThreads)
     throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
                 std::to_string(options.threads));
+  const bool isHost = options.backend == "cpu" || options.backend == "reference";
+  if (options.memory.allocate && !isHost)
+    throw Error("memory", "none with the backend \"" + options.backend + "\"", "an allocator");
+  if (bool(options.memory.allocate) != bool(options.memory.release))
+    throw Error("memory", "both functions or none", "one of them");
   if (options.tasks.run) {
-    if (options.backend != "cpu" && options.backend != "reference")
-      throw Error("tasks", "none with the backend \"" + options.backend + "\"", "a task system");
+    if (!isHost) throw Error("tasks", "none with the backend \"" + options.backend + "\"", "a task system");
     if (options.tasks.parts < 1 || options.tasks.parts > kMostThreads)
       throw Error("tasks.parts", "a number from 1 to " + std::to_string(kMostThreads),
                   std::to_string(options.tasks.parts));
@@ -72,9 +76,9 @@ void validate(const WorldOptions& options) {
 
 std::vector<std::string> backends() {
 #if defined(RUBBLE_HAS_REFERENCE)
-  std::vector<std::string> names = {"cpu", "reference", "distributed", "lockstep"};
+  std::vector<std::string> names = {"cpu", "reference", "distributed", "backward", "lockstep"};
 #else
-  std::vector<std::string> names = {"cpu", "distributed", "lockstep"};
+  std::vector<std::string> names = {"cpu", "distributed", "backward", "lockstep"};
 #endif
   if (cudaReady()) names.insert(names.end(), {"cuda", "lockstep-cuda"});
   return names;
@@ -197,7 +201,7 @@ double World::time() const { return impl_->registry.time; }
 BodyId World::addBody(const BodyDef& body) {
   const BodyId id = withMemory("addBody", [&] {
     validate(body, "body");
-    BodyAdditions added(impl_->registry, impl_->cooked.get(), 1);
+    BodyAdditions added(impl_->registry, *impl_->cooked, 1);
     added.add(body, "body");
     const BodyId id = added.commit(*impl_->engine).front();
     ++impl_->epoch;

@@ -8,95 +8,12 @@
 #include <rubble/events.h>
 
 #include "backend/engine.h"
-#include "platform/large_pages.h"
 #include "world/body_record.h"
-#include "world/cooked_shapes.h"
 #include "world/joint_build.h"
 #include "world/shape_frame.h"
+#include "world/world_shapes.h"
 
 namespace rubble {
-
-/// Reserves `count` more elements. Repeated calls cost no more than push_back.
-template <class List> void reserveMore(List& list, int count = 1) {
-  const std::size_t needed = list.size() + static_cast<std::size_t>(count);
-  if (needed > list.capacity()) list.reserve(std::max(needed, 2 * list.capacity()));
-}
-
-/// Live objects of one kind by slot. A freed slot is reused with the next generation. Copies share their
-/// items until one of them is edited (copy on write), so a snapshot is free.
-template <class Id, class Def> class Slots {
- public:
-  /// Makes room, so that `count` calls of add() or remove(), and any of edit(), need no memory.
-  void prepare(int count = 1) { reserveMore(own(items_), count), reserveMore(own(free_), count); }
-  /// The id that the k-th add() from now on gives.
-  Id next(int k = 0) const {
-    const int reused = static_cast<int>(free_->size()) - 1 - k;
-    if (reused < 0) return {static_cast<std::int32_t>(items_->size()) - reused - 1, 0};
-    const std::int32_t index = (*free_)[static_cast<std::size_t>(reused)];
-    return {index, item(index).generation + 1};
-  }
-  Id add(Def def) {
-    auto& items = own(items_);
-    std::vector<std::int32_t>& free = own(free_);
-    if (free.empty()) {
-      items.push_back({std::move(def), 0, true});
-      return {static_cast<std::int32_t>(items.size() - 1), 0};
-    }
-    const std::int32_t index = free.back();
-    free.pop_back();
-    Item& item = items[static_cast<std::size_t>(index)];
-    item = {std::move(def), item.generation + 1, true};
-    return {index, item.generation};
-  }
-  void remove(Id id) {
-    Item& item = own(items_)[static_cast<std::size_t>(id.index)];
-    item.def = Def(), item.alive = false;
-    own(free_).push_back(id.index);
-  }
-  /// Undoes the last add(), which has given this id.
-  void takeBack(Id id) {
-    if (id.generation == 0) return own(items_).pop_back();
-    remove(id);
-    --own(items_)[static_cast<std::size_t>(id.index)].generation;
-  }
-  bool alive(Id id) const {
-    return id.index >= 0 && id.index < size() && item(id.index).alive &&
-           item(id.index).generation == id.generation;
-  }
-  const Def& operator[](Id id) const { return item(id.index).def; }
-  /// The item for writing.
-  Def& edit(Id id) { return own(items_)[static_cast<std::size_t>(id.index)].def; }
-  std::optional<Id> at(int index) const {
-    return item(index).alive ? std::optional<Id>(Id{index, item(index).generation}) : std::nullopt;
-  }
-  int size() const { return static_cast<int>(items_->size()); }
-  int count() const { return size() - static_cast<int>(free_->size()); }
-  /// visit(items, free) for writing. An item has a definition, a generation, and is alive or not.
-  template <class F> void forLists(F&& visit) { visit(own(items_), own(free_)); }
-  std::vector<Id> ids() const {
-    std::vector<Id> out;
-    for (int i = 0; i < size(); ++i)
-      if (const auto id = at(i)) out.push_back(*id);
-    return out;
-  }
-
- private:
-  struct Item {
-    Def def;
-    std::uint32_t generation;
-    bool alive;
-  };
-  const Item& item(int index) const { return (*items_)[static_cast<std::size_t>(index)]; }
-  /// Copies a shared list before it is written.
-  template <class T> static T& own(std::shared_ptr<T>& shared) {
-    if (shared.use_count() > 1) shared = std::make_shared<T>(*shared);
-    return *shared;
-  }
-
-  using Items = std::vector<Item, platform::LargePageAllocator<Item>>;
-  std::shared_ptr<Items> items_ = std::make_shared<Items>();
-  std::shared_ptr<std::vector<std::int32_t>> free_ = std::make_shared<std::vector<std::int32_t>>();
-};
 
 /// Expectation in the error for a duplicate name.
 inline constexpr const char* kOwnName = "a name that no other body has";
@@ -109,8 +26,12 @@ bool ofSameMaterials(const MaterialPair& p, const MaterialPair& q);
 /// The materials with those rules of which both materials are among them.
 SetSurfaces surfacesEdit(std::vector<Material> surfaces, std::span<const MaterialPair> pairs);
 void sortRules(std::vector<EngineMaterialRule>& rules);
-/// Also where the geometry is an equal copy.
+/// Also where the geometry is an equal copy. User data does not matter.
 bool sameShape(const Shape& a, const Shape& b);
+/// A part of a compound; null: the whole of another shape. Throws Error if there is no such part.
+const ShapePartDef* partOf(const Shape& shape, int part);
+/// Shape::userData of a part of a compound, or of another shape.
+std::uint64_t partUserData(const Shape& shape, int part);
 
 /// Throws Error if no such engine can be made.
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options);
@@ -134,7 +55,7 @@ struct JointRecord {
 struct Touch {
   BodyId a, b;
   bool sensor;
-  std::uint64_t userDataA, userDataB;
+  std::uint64_t userDataA, userDataB, shapeUserDataA, shapeUserDataB;
 };
 
 struct SoftRecord {
@@ -190,8 +111,7 @@ struct Registry {
   std::unordered_map<std::string, BodyId> bodyNames;
   std::unordered_map<std::string, JointId> jointNames;
   std::vector<BodyId> sceneBodies;
-  CookedShapes shapes;  ///< those in the tables of the engine
-  int shapeIndices = 0, shapeParts = 0;
+  WorldShapes shapes;
   std::vector<Material> surfaces;           ///< those in the material table of the engine
   std::vector<MaterialPair> materialPairs;  ///< at most one of two names
   /// By joint type of the engine.
@@ -244,9 +164,10 @@ struct World::Impl {
   LogSink log;
   TaskSystem tasks;  ///< of the host
   inputs::Sink inputs;
-  std::string difference;                ///< of the reports
-  bool inBatch = false;                  ///< parameters are those of all worlds of a batch
-  std::shared_ptr<CookedShapes> cooked;  ///< shapes of other worlds of the batch, or null
+  std::string difference;  ///< of the reports
+  bool inBatch = false;    ///< parameters are those of all worlds of a batch
+  /// Also of the other worlds of a batch.
+  std::shared_ptr<CookedShapes> cooked = std::make_shared<CookedShapes>();
   Events events;
 
   /// Tells the sink of inputs, if there is one, of a call.
@@ -295,6 +216,8 @@ struct World::Impl {
   /// Records the joints that broke in this step.
   void findBroken(std::vector<JointId>& broken);
   JointBodies jointBodies(const JointRecord& joint) const;
+  /// Appends the end of a shape, if it ends with so many uses less.
+  void addDrop(std::vector<Edit>& edits, ShapeId id, int uses) const;
   /// Appends the edits that wake a body, or those of a joint.
   void addWake(std::vector<Edit>& edits, BodyId id);
   void addWakes(std::vector<Edit>& edits, const JointRecord& joint);
@@ -312,6 +235,7 @@ struct World::Impl {
   /// In the engine frame.
   BodyState bodyState(BodyId id) const { return engine->bodyState(id.index); }
   void requireAlive(JointId id) const;
+  void requireAlive(ShapeId id) const;
   PoseCopies& poseCopies();
   /// Index of a named material among those of the engine, -1 for one without a name.
   int placeMaterial(const Material& material);
@@ -321,6 +245,9 @@ struct World::Impl {
   void removeSoft(DeformableId id);
   /// The pieces of all deformable objects, where the last step has put them.
   EngineSoftTargets softTargets();
+  /// Replaces hits of rays on bodies, or none, by those on deformable objects that come before.
+  void addObjectHits(std::span<EngineQuery> queries, std::span<const EngineHit> bodies,
+                     std::span<const RayQuery> rays, std::span<RayHit> hits);
   /// Redefines an object: as World::setDefinition.
   void redefine(DeformableId id, const Deformable& def);
   void removeAttachment(AttachmentId id);

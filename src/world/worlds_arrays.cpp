@@ -1,6 +1,8 @@
 /// Arrays over all worlds, and rays in them.
 #include <algorithm>
 #include <cstring>
+#include <map>
+#include <type_traits>
 
 #include "cook/checks.h"
 #include "world/worlds_impl.h"
@@ -182,9 +184,23 @@ std::vector<RayHit> Worlds::castRays(std::span<const WorldRay> rays) {
       queries[q].world = world % impl_->perBatch;
     }
     const std::span<const EngineHit> hits = engine.hits({QueryKind::Ray, queries, {}});
+    std::map<int, std::vector<std::size_t>> reachObjects;  // by world
     for (std::size_t q = 0; q < queries.size(); ++q) {
       const std::size_t i = ofBatch[k][q];
       out[i] = hitOf(hits[q], rays[i].ray, impl_->at(rays[i].world).registry);
+      if (queries[q].deformables) reachObjects[rays[i].world].push_back(q);
+    }
+    for (const auto& [world, places] : reachObjects) {
+      const auto pick = [&](auto&& of) {
+        std::vector<std::remove_cvref_t<decltype(of(0))>> list;
+        for (const std::size_t q : places) list.push_back(of(q));
+        return list;
+      };
+      std::vector<RayHit> merged = pick([&](std::size_t q) { return out[ofBatch[k][q]]; });
+      std::vector<EngineQuery> own = pick([&](std::size_t q) { return queries[q]; });
+      impl_->at(world).addObjectHits(own, pick([&](std::size_t q) { return hits[q]; }),
+                                     pick([&](std::size_t q) { return rays[ofBatch[k][q]].ray; }), merged);
+      for (std::size_t n = 0; n < places.size(); ++n) out[ofBatch[k][places[n]]] = merged[n];
     }
   });
   return out;

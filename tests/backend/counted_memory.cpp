@@ -6,6 +6,8 @@
 #include <limits>
 #include <new>
 
+#include "tests/support/sanitizer.h"
+
 namespace {
 
 std::atomic<long> count{0};
@@ -59,10 +61,12 @@ RUBBLE_NOINLINE void operator delete[](void* p, std::align_val_t) noexcept { std
 RUBBLE_NOINLINE void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 RUBBLE_NOINLINE void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+// A sanitizer gives and takes memory of its own only.
+#if defined(__GLIBC__) && !defined(RUBBLE_HAS_SANITIZER)
 // Tables come from calloc.
 extern "C" void* __libc_calloc(std::size_t, std::size_t);
-extern "C" void* calloc(std::size_t number, std::size_t size) noexcept {
+extern "C" __attribute__((visibility("default"))) void* calloc(std::size_t number,
+                                                               std::size_t size) noexcept {
   return fails() ? nullptr : __libc_calloc(number, size);
 }
 #endif

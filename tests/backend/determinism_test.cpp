@@ -7,6 +7,7 @@
 #include "tests/support/core_world.h"
 #include "tests/support/many_threads.h"
 #include "tests/support/scenes.h"
+#include "tests/support/worlds_claims.h"
 
 namespace rubble {
 namespace {
@@ -45,6 +46,16 @@ TEST(Determinism, AFallingPileHasTheSameBitsWithEveryInstructionSet) {
   for (const std::string& set : instructionSets())
     for (const auto& [backend, threads] : {std::pair{"cpu", 1}, {"cpu", 3}, {"distributed", 2}})
       EXPECT_EQ(run(set, backend, threads), expected) << set << " " << backend << " " << threads;
+}
+
+TEST(Determinism, RandomWorldsHaveTheSameBitsWithLoopsThatRunBackward) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const Scene scene = test::randomWorld(seed);
+    World forward(scene, test::worldsOptions("cpu")), backward(scene, test::worldsOptions("backward"));
+    test::run(forward, 20), test::run(backward, 20);
+    ASSERT_EQ(backward.hash(), forward.hash()) << seed;
+    ASSERT_EQ(test::stateOf(backward), test::stateOf(forward)) << seed;
+  }
 }
 
 TEST(Determinism, TheReferenceHasTheSameBitsAtAnyNumberOfThreads) {

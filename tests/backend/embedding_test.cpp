@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <thread>
 
 #include <sys/wait.h>
@@ -106,6 +107,74 @@ Scene everything() {
     scene.bodies[i].material.name = i % 2 ? "odd" : "even";
   scene.materialPairs.push_back({"odd", "even", 0.2, 0.1, 0.3, 0.01});
   return scene;
+}
+
+/// Counts the bytes that are out, and gives no more than `most`.
+struct HostBytes {
+  std::atomic<std::size_t> now = 0, most = ~std::size_t{0};
+
+  MemorySystem system() {
+    return {[this](std::size_t bytes) -> void* {
+              if (now + bytes > most) return nullptr;
+              now += bytes;
+              return std::malloc(bytes);
+            },
+            [this](void* block, std::size_t bytes) {
+              now -= bytes;
+              std::free(block);
+            }};
+  }
+};
+
+TEST(MemorySystem, OfTheHostHoldsTheTablesAndGetsAllOfItBack) {
+  for (const char* backend : {"cpu", "reference"}) {
+    World reference(everything(), test::options(4, backend));
+    test::run(reference, kSteps);
+    HostBytes host;
+    WorldOptions options = test::options(4, backend, 2);
+    options.memory = host.system();
+    {
+      World world(everything(), options);
+      EXPECT_EQ(hashAfter(world, kSteps), reference.hash()) << backend;
+      EXPECT_GE(host.now, world.memoryBytes()) << backend;
+      world.reserve("activePairs", 100000);
+      EXPECT_GE(host.now, world.memoryBytes()) << backend;
+      world.restore(world.snapshot());
+      world.castRay({{0, 0, 9}, {0, 0, -1}, 20, {}});
+    }
+    EXPECT_EQ(host.now, 0u) << backend;
+  }
+}
+
+TEST(MemorySystem, OfTheHostHoldsTheTablesOfManyWorlds) {
+  HostBytes host;
+  WorldOptions options = test::options(4, "cpu", 2);
+  options.memory = host.system();
+  {
+    Worlds worlds(options);
+    worlds.addCopies(everything(), 3);
+    worlds.step(2);
+    EXPECT_GE(host.now, worlds.memoryBytes());
+  }
+  EXPECT_EQ(host.now, 0u);
+}
+
+TEST(MemorySystem, ThatEndsIsOutOfMemory) {
+  HostBytes host;
+  WorldOptions options = test::options(4);
+  options.memory = host.system();
+  {
+    World world(everything(), options);
+    test::run(world, kSteps);
+    const std::uint64_t hash = world.hash();
+    host.most = host.now.load();
+    EXPECT_THROW(world.reserve("activePairs", 1000000), OutOfMemory);
+    EXPECT_THROW(World(everything(), options), OutOfMemory);
+    EXPECT_EQ(world.hash(), hash);
+  }
+  EXPECT_EQ(host.now, 0u) << "that of the world which could not be made, too";
+  options.backend = "lockstep";
+  EXPECT_THROW(World(everything(), options), Error);
 }
 
 TEST(TaskSystem, OfTheHostRunsAllLoopsWithTheSameBits) {

@@ -101,6 +101,17 @@ std::vector<Call> edits() {
          const std::array ids{body(w, 2), body(w, 0), body(w, 1), body(w, 4)};
          w.removeBodies(ids);
        }},
+      {"setShape",
+       [](World& w) {
+         static const Shape shape = oddBody().shape;
+         w.setShape(body(w, 6), shape);
+       }},
+      {"addShape",
+       [](World& w) {
+         static const Shape shape = oddBody().shape;
+         w.addShape(shape);
+       }},
+      {"removeShape", [](World& w) { w.removeShape(w.shapes().back()); }},
       {"setCollide", [](World& w) { w.setCollide(body(w, 1), body(w, 6), false); }},
       {"setCollideAgain", [](World& w) { w.setCollide(body(w, 3), body(w, 4), true); }},
       {"setState",
@@ -237,12 +248,14 @@ class Started {
   Started() : scene_(sceneOfAll()) {}
   World world() const {
     World world(scene_, optionsOfAll());
+    world.addShape(held_);
     test::run(world, 2);
     return world;
   }
 
  private:
   Scene scene_;
+  Shape held_ = Shape::hull({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}});
 };
 
 void expectUndisturbed(const std::vector<Call>& calls, bool lasting) {

@@ -54,7 +54,7 @@ struct Net : CoreWorld {
 
 TEST(Simd4Kernels, HaveTheBitsOfTheScalarCode) {
   Net four, one;
-  one.executor().takeOneByOne();
+  one.executor().takeBackward();
   double before = 0, beforeOne = 0;
   int touching = 0;
   for (int n = 0; n < 60; ++n) {
@@ -104,7 +104,7 @@ struct MixedChain : CoreWorld {
     test::Random random(41);
     for (int i = 1; i < kLinks; ++i) {
       EngineJoint joint;
-      joint.type = types[i % std::size(types)];
+      joint.type = types[static_cast<std::size_t>(i) % std::size(types)];
       joint.a = i - 1, joint.b = i;
       joint.anchorA = {.5, 0, 0}, joint.anchorB = {-.5, 0, 0};
       const Quat frame = random.rotation();

@@ -145,6 +145,67 @@ static void aHingeAddedToAWorldStandsAtThePresentPoses(void) {
   rb_scene_destroy(scene);
 }
 
+static void aSheetIsHitByQueriesThatAskForDeformables(void) {
+  rb_scene* scene = NULL;
+  rb_world* world = NULL;
+  rb_shape* ball = NULL;
+  const char* sheet = NULL;
+  const double corner[3] = {-1, -1, 1}, u[3] = {2, 0, 0}, v[3] = {0, 2, 0};
+  rb_deformable_id object;
+  rb_hit hit;
+  const rb_hit* hits;
+  const int64_t* offsets;
+  rb_ray ray = {{0.1, 0.2, 3}, {0, 0, -1}, 10, RB_FILTER_ALL};
+  rb_closest point = {{0.1, 0.2, 3}, 10, RB_FILTER_ALL};
+  CHECK(rb_scene_create("", &scene) == RB_OK && rb_world_create(scene, "{\"threads\": 1}", &world) == RB_OK);
+  CHECK(rb_cloth_sheet(corner, u, v, 2, 2, &sheet) == RB_OK);
+  CHECK(rb_world_add_deformable(world, sheet, &object) == RB_OK);
+  CHECK(rb_shape_create("{\"type\": \"sphere\", \"radius\": 0.5}", &ball) == RB_OK);
+  rb_cast cast = {ball, {0.1, 0.2, 3}, {1, 0, 0, 0}, {0, 0, -4}, RB_FILTER_ALL};
+  CHECK(rb_world_cast_rays(world, &ray, 1, &hit) == RB_OK && hit.hit == 0);
+  ray.filter.deformables = cast.filter.deformables = point.filter.deformables = 1;
+  CHECK(rb_world_cast_rays(world, &ray, 1, &hit) == RB_OK && hit.hit == 1);
+  CHECK(hit.body.index == -1 && hit.object.index == object.index && hit.triangle >= 0);
+  CHECK(fabs(hit.distance - 2) < 1e-6 && fabs(hit.normal[2] - 1) < 1e-6);
+  CHECK(rb_world_cast_shapes(world, &cast, 1, &hit) == RB_OK && fabs(hit.distance - 1.5 / 4) < 1e-3);
+  CHECK(rb_world_closest_points(world, &point, 1, &hit) == RB_OK && hit.object.index == object.index);
+  CHECK(rb_world_cast_rays_all(world, &ray, 1, &offsets, &hits) == RB_OK && offsets[1] == 1);
+  ray.filter.ignore_object = object;
+  CHECK(rb_world_cast_rays(world, &ray, 1, &hit) == RB_OK && hit.hit == 0);
+  rb_shape_destroy(ball);
+  rb_world_destroy(world);
+  rb_scene_destroy(scene);
+}
+
+static void aShapeLivesAsLongAsItIsUsed(void) {
+  rb_scene* scene = NULL;
+  rb_world* world = NULL;
+  rb_shape* cone = NULL;
+  rb_shape_id id, own;
+  rb_body_id body;
+  int64_t uses = 0, count = 0;
+  uint64_t mark = 0;
+  const rb_shape_id* shapes;
+  const char* json = NULL;
+  const char* const text = "{\"type\": \"cone\", \"radius\": 0.5, \"length\": 1, \"user_data\": 9}";
+  CHECK(rb_scene_create("", &scene) == RB_OK && rb_world_create(scene, "{\"threads\": 1}", &world) == RB_OK);
+  CHECK(rb_shape_create(text, &cone) == RB_OK);
+  CHECK(rb_world_add_shape(world, cone, &id) == RB_OK);
+  CHECK(rb_world_add_body_of(world, id, "{\"mass\": 2, \"position\": [0, 0, 5]}", &body) == RB_OK);
+  CHECK(rb_world_shape_of(world, body, &own) == RB_OK && own.index == id.index);
+  CHECK(rb_world_shape_uses(world, id, &uses) == RB_OK && uses == 2);
+  CHECK(rb_world_shape_user_data(world, body, 0, &mark) == RB_OK && mark == 9);
+  CHECK(rb_world_shape_definition(world, id, &json) == RB_OK && strstr(json, "\"cone\"") != NULL);
+  CHECK(rb_world_remove_shape(world, id) == RB_OK && rb_world_shape_alive(world, id) == 1);
+  CHECK(rb_world_remove_shape(world, id) == RB_INVALID);
+  CHECK(rb_world_remove_bodies(world, &body, 1) == RB_OK && rb_world_shape_alive(world, id) == 0);
+  CHECK(rb_world_shapes(world, &shapes, &count) == RB_OK && count == 0);
+  CHECK(rb_world_set_shape(world, body, id) == RB_INVALID);
+  rb_shape_destroy(cone);
+  rb_world_destroy(world);
+  rb_scene_destroy(scene);
+}
+
 static void aRegistrySceneIsJudged(void) {
   rb_run* run = NULL;
   const char* result = NULL;
@@ -161,7 +222,7 @@ static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
   rb_worlds* worlds = NULL;
   rb_array array, rows, values;
   rb_ray ray;
-  rb_ray_hit hit;
+  rb_hit hit;
   const int32_t row = 1, second = 1;
   const double force = 5, mass = 3;
   int32_t first = 0;
@@ -181,9 +242,7 @@ static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
   CHECK(rb_worlds_scatter_joints(worlds, RB_JOINT_APPLIED_FORCE, &rows, &values) == RB_OK);
   CHECK(rb_worlds_set_values(worlds, "bodies.pole.mass", &second, 1, &mass, 1) == RB_OK);
   CHECK(rb_worlds_set_values(worlds, "bodies.pole.weight", &second, 1, &mass, 1) == RB_INVALID);
-  memset(&ray, 0, sizeof ray);
-  ray.origin[2] = -5, ray.direction[2] = 1, ray.max_distance = 50;
-  ray.filter.layers = ray.filter.mask = 0xffffffffu, ray.filter.ignore.index = -1;
+  ray = (rb_ray){{0, 0, -5}, {0, 0, 1}, 50, RB_FILTER_ALL};
   CHECK(rb_worlds_cast_rays(worlds, &second, &ray, 1, &hit) == RB_OK && hit.hit == 1);
   rb_worlds_destroy(worlds);
   rb_scene_destroy(scene);
@@ -198,6 +257,8 @@ int main(void) {
   aCrateFallsAndRests();
   aSnapshotContinuesBitForBit();
   aHingeAddedToAWorldStandsAtThePresentPoses();
+  aSheetIsHitByQueriesThatAskForDeformables();
+  aShapeLivesAsLongAsItIsUsed();
   aRegistrySceneIsJudged();
   printf("%d failures\n", failures);
   return failures != 0;

@@ -4,12 +4,17 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 
 #include "scenes/registry.h"
 #include "tests/cuda/cuda_scenes.h"
 
 namespace rubble::test {
 namespace {
+
+/// Ranks that share a GPU wait for one another's kernels. Streams that share a hardware queue then wait in a
+/// circle, so there are as many queues as CUDA gives. It reads this before its first call.
+[[maybe_unused]] const bool kManyQueues = setenv("CUDA_DEVICE_MAX_CONNECTIONS", "32", 0) == 0;
 
 int gpus() {
   int count = 0;

@@ -2,25 +2,27 @@
 #include <gtest/gtest.h>
 #include <rubble/error.h>
 
-#include <csignal>
 #include <functional>
 #include <set>
 
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "io/input_log.h"
 #include "io/mesh_file.h"
 #include "io/output_file.h"
 #include "io/picture.h"
 #include "io/recording.h"
 #include "io/scene_json.h"
 #include "tests/support/files.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/meshes.h"
+#include "tests/support/scenes.h"
 
 namespace rubble::io {
 namespace {
 
+using test::FullDisk;
 using test::TemporaryFolder;
 
 std::set<std::string> namesIn(const std::filesystem::path& folder) {
@@ -29,24 +31,6 @@ std::set<std::string> namesIn(const std::filesystem::path& folder) {
     names.insert(entry.path().filename().string());
   return names;
 }
-
-/// No file grows beyond so many bytes while it lives: a disk that is full.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) : before_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &limit_);
-    const rlimit low{bytes, limit_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &low);
-  }
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &limit_);
-    std::signal(SIGXFSZ, before_);
-  }
-
- private:
-  rlimit limit_{};
-  void (*before_)(int);
-};
 
 struct Writer {
   std::string ending;
@@ -84,6 +68,58 @@ TEST(OutputFile, OfEveryWriterLeavesWhatWasThereOnAFullDisk) {
       EXPECT_GT(std::filesystem::file_size(file), 2000u) << writer.ending;
       EXPECT_EQ(namesIn(folder.path).size(), 1u);
     }
+}
+
+/// Sizes at which a file of `bytes` is cut off: at its start, inside of it, and before its last byte.
+std::vector<rlim_t> cutsOf(std::uintmax_t bytes) { return {0, 1, bytes / 4, bytes / 2, bytes - 1}; }
+
+/// Records a falling heap.
+void record(const std::string& file) {
+  World world(test::heap(3), test::options(4, "cpu", 1));
+  RecordingWriter writer(file, {"a test", 1 / 60., {0, 0, -9.81}, 1e-5});
+  for (int frame = 0; frame < 70; ++frame) {
+    world.step();
+    writer.write(recordedBodies(world), recordedFrame(world));
+  }
+  writer.finish();
+}
+
+TEST(Recording, OfAFullDiskIsAnErrorAndHasItsWholeChunks) {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path / "run.rubble").string();
+  record(file);
+  for (const rlim_t cut : cutsOf(std::filesystem::file_size(file))) {
+    {
+      const FullDisk full(cut);
+      EXPECT_THROW(record(file), Error) << cut;
+    }
+    EXPECT_EQ(std::filesystem::file_size(file), cut);
+    if (cut <= 1) continue;
+    RecordingReader reader(file);
+    EXPECT_FALSE(reader.complete()) << cut;
+    for (int frame = 0; frame < reader.frameCount(); ++frame) EXPECT_EQ(reader.frame(frame).step, frame + 1);
+  }
+}
+
+TEST(InputLog, OfAFullDiskIsAnErrorAndLeavesWhatWasThere) {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path / "log.txt").string();
+  const Scene scene = test::heap(2);
+  const WorldOptions options = test::options(4, "cpu", 1);
+  const auto log = [&] {
+    World world(scene, options);
+    InputLog inputs(file, scene, options, world);
+    test::run(world, 20);
+    inputs.finish();
+  };
+  log();
+  const std::string before = test::contentOf(file);
+  for (const rlim_t cut : cutsOf(before.size())) {
+    const FullDisk full(cut);
+    EXPECT_THROW(log(), Error) << cut;
+  }
+  EXPECT_EQ(test::contentOf(file), before);
+  EXPECT_EQ(namesIn(folder.path).size(), 1u);
 }
 
 TEST(OutputFile, KeepsPermissionsAndLinks) {

@@ -319,6 +319,21 @@ TEST(SceneRoundTrip, DeformableObjectsAreExact) {
   expectRoundTrip(file);
 }
 
+TEST(SceneRoundTrip, ShapesOfOneGeometryKeepWhatDiffers) {
+  SceneFile file;
+  BodyDef body;
+  body.shape = Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .1);
+  for (int k = 0; k < 6; ++k) {
+    body.shape.userData = k % 2 ? 0 : 0xfedcba9876543210u;
+    body.shape.rounding = k < 4 ? .1 : .2;
+    file.scene.bodies.push_back(body);
+  }
+  expectRoundTrip(file);
+  std::vector<Fault> faults;
+  const SceneFile back = parseScene(toJson(file), faults);
+  EXPECT_EQ(back.scene.bodies[0].shape.geometry, back.scene.bodies[2].shape.geometry) << "shared by name";
+}
+
 TEST(SceneRoundTrip, TheRegistryIsExact) {
   for (const scenes::Spec& spec : scenes::registry()) {
     SCOPED_TRACE(spec.name);

@@ -24,6 +24,17 @@ def hand_cart(observations):
     return (observations @ np.array([0.1, 0.3, 10, 2]) > 0).astype(int)
 
 
+def lift(way, held):
+    """Actions of a hand that goes over a thing, down to it, closes and rises. `way` (n, 3): from the hand to where
+    it is to grasp [m]; `held` (n,)."""
+    above = np.abs(way[:, :2]).max(axis=1) > 0.008
+    grasp = ~above & (np.abs(way[:, 2]) < 0.012)
+    action = np.clip(20 * np.concatenate([way, np.zeros((len(way), 1))], axis=1), -1, 1)
+    action[above, 2], action[:, 3] = 0, np.where(grasp, 1, -1)
+    action[held] = (0, 0, 0.5, 1)
+    return action
+
+
 class Environments(Case):
     def test_random_policies_give_finite_numbers_of_the_spaces(self):
         for name in gym.ENVIRONMENTS:
@@ -121,16 +132,26 @@ class Environments(Case):
         env = gym.make("lift-cube", 6, threads=1)
         observations, _ = env.reset(seed=4)
         for k in range(250):
-            way = observations[:, 10:13] + (0, 0, 0.02 + 0.07 / 2)
-            above = np.abs(way[:, :2]).max(axis=1) > 0.008
-            grasp = ~above & (np.abs(way[:, 2]) < 0.012)
-            action = np.clip(20 * np.concatenate([way, np.zeros((6, 1))], axis=1), -1, 1)
-            action[above, 2], action[:, 3] = 0, np.where(grasp, 1, -1)
             held = (observations[:, 8:10] > 0.1).all(axis=1)
-            action[held] = (0, 0, 0.5, 1)
+            action = lift(observations[:, 10:13] + (0, 0, 0.02 + 0.07 / 2), held)
             observations, rewards, _, _, _ = env.step(action)
         heights = env.states("position", "cube")[:, 2]
         self.assertTrue((heights > 0.1).all(), str(heights))
+
+    def test_a_controller_lifts_the_soft_block_and_squeezes_it(self):
+        env = gym.make("lift-soft", 2, threads=1)
+        observations, _ = env.reset(seed=4)
+        self.assertEqual(len(env.worlds[0].deformables["block"].definition["tetrahedra"]), 480)
+        self.assertNear(observations[:, 21:], np.full((2, 2), 0.06), 1e-3)
+        for k in range(110):
+            held = (observations[:, 10:12] < -0.3).all(axis=1)
+            action = lift(observations[:, 15:18] + (0, 0, 0.02 + 0.07 / 2), held)
+            observations, rewards, _, _, _ = env.step(action)
+        heights = env.vertices("block")[..., 2].mean(axis=1)
+        self.assertTrue((heights > 0.2).all(), str(heights))
+        squeezed = np.abs(observations[:, 21:] - 0.06).max(axis=1)
+        self.assertTrue((squeezed > 1e-3).all(), str(squeezed))
+        self.assertGreater(rewards.min(), 5)
 
     def test_a_controller_turns_the_crank(self):
         env = gym.make("four-bar", 4, threads=1)

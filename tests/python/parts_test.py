@@ -119,12 +119,46 @@ class Queries(Case):
         self.assertEqual(self.world.overlap(ball, (0.9, 0, 2)), [self.crate])
         self.assertEqual(self.world.overlaps(ball, [(0, 0, 2), (9, 9, 9)]), [[self.crate], []])
 
+    def test_queries_hit_deformable_objects_that_they_ask_for(self):
+        sheet = self.world.deformables.add(rubble.cloth_sheet((-1, -1, 4), (2, 0, 0), (0, 2, 0), 2, 2))
+        def hits(**filter):
+            return [self.world.cast_ray((0.1, 0.2, 9), (0, 0, -1), **filter),
+                    self.world.cast_shape(rubble.sphere(0.1), (0.1, 0.2, 9), (0, 0, -9), **filter),
+                    self.world.closest_point((0.1, 0.2, 9), **filter)]
+        for hit in hits():
+            self.assertEqual((hit.body, hit.object), (self.crate, None))
+        for hit in hits(deformables=True):
+            self.assertEqual((hit.body, hit.object), (None, sheet))
+            self.assertGreaterEqual(hit.triangle, 0)
+        self.assertEqual(hits(deformables=True, ignore_object=sheet)[0].body, self.crate)
+        found, = self.world.cast_rays_all([(0.1, 0.2, 9)], [(0, 0, -1)], deformables=True)
+        self.assertEqual(found["object"]["index"].tolist(), [sheet.index, -1, -1])
+
     def test_the_closest_point_lies_on_the_surface(self):
         hit = self.world.closest_point((3, 0, 2))
         self.assertEqual(hit.body.name, "ground")
         near = self.world.closest_point((1, 0, 2))
         self.assertNear(near.position, (0.5, 0, 2), 1e-5)
         self.assertIsNone(self.world.closest_point((3, 0, 90), max_distance=1))
+
+
+class Shapes(Case):
+    def test_a_shape_is_shared_and_ends_with_its_last_use(self):
+        world = rubble.World(rubble.Scene(gravity=(0, 0, 0)), threads=1)
+        points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        shape = world.shapes.add({**rubble.hull(points), "user_data": 5})
+        bodies = [world.bodies.add(shape=shape, position=(3 * k, 0, 0), mass=2) for k in range(3)]
+        self.assertEqual({body.shape for body in bodies}, {shape})
+        self.assertEqual((shape.uses, shape.user_data, bodies[0].shape_user_data()), (4, 5, 5))
+        self.assertEqual(world.cast_ray((0.2, 0.2, 9), (0, 0, -1)).shape_user_data, 5)
+        shape.remove()
+        other = world.bodies.add(shape=rubble.sphere(1), position=(0, 9, 0))
+        for body in bodies:
+            body.set(shape=other.shape, mass=3)
+        self.assertFalse(shape.alive)
+        self.assertEqual((other.shape.uses, bodies[1].mass), (4, 3))
+        self.assertEqual(list(world.shapes), [other.shape])
+        self.assertInvalid("shape", shape.remove)
 
 
 class Recordings(Case):

@@ -227,29 +227,36 @@ inline double distanceBetween(const BodyDef& a, const BodyDef& b) {
 inline Shape randomHull(Random& random, int corners, double size, double rounding = 0) {
   std::vector<Vec3> points;
   const Vec3 away = random.vector(.3 * size);
-  for (int i = 0; i < corners; ++i)
-    points.push_back(away + size * random.uniform(.6, 1) * random.direction());
+  for (int i = 0; i < corners; ++i) {
+    const Vec3 way = random.direction();
+    points.push_back(away + size * random.uniform(.6, 1) * way);
+  }
   return Shape::hull(points, rounding);
 }
 
 /// A convex solid that reaches no further than `most` from its frame, at least a twentieth as thick.
 inline Shape randomConvex(Random& random, double most) {
   const auto size = [&] { return random.logUniform(most / 20, most / 2); };
+  // a radius and half a length
+  const auto round = [&](auto&& make) {
+    const double length = size();
+    return make(size(), length);
+  };
   switch (random.below(9)) {
     case 0:
       return Shape::sphere(size());
     case 1:
-      return Shape::capsule(size(), size());
+      return round(Shape::capsule);
     case 2:
       return Shape::box({size(), size(), size()});
     case 3:
       return Shape::box({size(), size(), size()}, most / 40);
     case 4:
-      return Shape::cylinder(size(), size());
+      return round([](double r, double h) { return Shape::cylinder(r, h); });
     case 5:
-      return Shape::cylinder(size(), size(), most / 40);
+      return round([&](double r, double h) { return Shape::cylinder(r, h, most / 40); });
     case 6:
-      return Shape::cone(size(), size());
+      return round(Shape::cone);
     case 7:
       return randomHull(random, 4 + random.below(6), .7 * most);
     default:

@@ -4,6 +4,12 @@
 
 namespace rubble::test {
 
+/// A way of a random direction and a length from `least` to `most`.
+inline Vec3 randomWay(Random& random, double least, double most) {
+  const double length = random.uniform(least, most);
+  return random.direction() * length;
+}
+
 /// 300 bodies in a cube of 20 m that may overlap, over a half space.
 inline Scene randomScene(std::uint64_t seed) {
   Random random(seed);
@@ -14,7 +20,8 @@ inline Scene randomScene(std::uint64_t seed) {
   scene.bodies.push_back(floor);
   for (int i = 0; i < 300; ++i) {
     const bool mesh = random.below(10) == 0;
-    BodyDef def = body(mesh ? randomMesh(random, 2) : randomSolid(random, 3), random.vector(10));
+    const Vec3 position = random.vector(10);
+    BodyDef def = body(mesh ? randomMesh(random, 2) : randomSolid(random, 3), position);
     def.orientation = random.rotation();
     def.motion = mesh || random.below(2) ? Motion::Static : Motion::Dynamic;
     def.filter.layers = 1u << random.below(3);

@@ -67,7 +67,73 @@ TEST(BroadPhase, FindsAllPairsOfFastAndSpinningBodies) {
     body.angularVelocity = random.vector(100);
     world.add(body);
   }
-  expectAllPairs(world, 200);
+  expectAllPairs(world, 100);
+}
+
+/// Streams of pebbles and grains in several directions, of one velocity each up to a spread, through one
+/// another and through bodies at rest.
+void addStreams(CoreWorld& world, Random& random, int streams, int each, double spread) {
+  for (int k = 0; k < streams; ++k) {
+    const double radius = random.logUniform(.003, .03), extent = random.logUniform(.3, 2);
+    const Vec3 at = random.vector(1), velocity = random.vector(200);
+    for (int i = 0; i < each; ++i) {
+      BodyDef body = ball(radius * random.uniform(.7, 1.3), at + random.vector(extent));
+      if (i % 4 == 0) body.shape = Shape::box({radius, 2 * radius, radius});
+      body.orientation = random.rotation();
+      body.velocity = velocity + random.vector(spread);
+      body.angularVelocity = random.vector(10);
+      world.add(body);
+    }
+  }
+  for (int i = 0; i < each; ++i) world.add(ball(random.logUniform(.005, .5), random.vector(3)));
+}
+
+TEST(BroadPhase, FindsAllPairsOfStreamsWithLongPaths) {
+  int subdivided = 0;
+  for (const double spread : {0., .5, 5., 50.}) {
+    Random random(static_cast<std::uint64_t>(10 + spread));
+    CoreWorld world;
+    addStreams(world, random, 4, 150, spread);
+    world.add(staticBox({5, 5, .1}, {0, 0, 2}));
+    expectAllPairs(world, 200);
+    const SolverData& s = world.view();
+    for (int i = 0; i < s.bodies; ++i) {
+      const Bounds& b = s.bounds[i];
+      if (!isLongLevel(b.level)) continue;
+      const int bucket = bucketOf(s, layerOf(0, b.level), b.x, b.y, b.z);
+      subdivided += halvings(s.cellPaths[bucket], b.level, b.x, b.y, b.z) > 0;
+    }
+  }
+  EXPECT_GT(subdivided, 300);
+}
+
+/// Couples of pebbles that touch, with more than a diameter between couples.
+std::set<std::pair<int, int>> pairsOfCouples(const Vec3& velocity, double spread) {
+  Random random(11);
+  CoreWorld world;
+  constexpr int kWide = 8;
+  constexpr double kRadius = .01, kSpacing = .1;
+  for (int k = 0; k < kWide * kWide * kWide; ++k) {
+    const Vec3 cell{double(k % kWide), double(k / kWide % kWide), double(k / kWide / kWide)};
+    const Vec3 at = kSpacing * cell + random.vector(.01),
+               toOther = rotate(random.rotation(), Vec3{kRadius, 0, 0});
+    for (const double side : {-1., 1.}) {
+      BodyDef pebble = ball(kRadius, at + side * toOther);
+      pebble.velocity = velocity + random.vector(spread);
+      world.add(pebble);
+    }
+  }
+  world.finish();
+  return world.pairs();
+}
+
+TEST(BroadPhase, AFallingCloudHasThePairsThatItHasAtRest) {
+  const auto atRest = pairsOfCouples({0, 0, 0}, 0);
+  EXPECT_EQ(atRest.size(), 512u);
+  for (const double speed : {1., 5., 50., 500.}) {
+    EXPECT_EQ(pairsOfCouples({0, 0, -speed}, 0), atRest) << speed;
+    EXPECT_EQ(pairsOfCouples({.6 * speed, 0, -.8 * speed}, .1), atRest) << speed;
+  }
 }
 
 TEST(BroadPhase, BoundsHoldABodyAllThroughItsStep) {

@@ -29,7 +29,8 @@ class CoreWorld {
     body.shape = cooked.shape;
     if (body.shape.data >= 0) {
       body.shape.data += executor_.tables().shapeIndices;
-      addShape(executor_.tables(), cooked, std::vector<int>(cooked.parts.size(), -1));
+      addShape(executor_.tables(), cooked, std::vector<int>(cooked.parts.size(), -1),
+               endOfShapes(executor_.tables()));
     }
     body.radius = cooked.radius;
     body.staticFriction = def.material.staticFriction, body.dynamicFriction = def.material.dynamicFriction;
@@ -79,7 +80,26 @@ class CoreWorld {
   std::vector<int> planes_;
 };
 
-/// Every pair whose swept boxes meet, or whose box meets a half space; at least one body of it is dynamic.
+/// Do two boxes touch at some time of the step if both follow their paths? By the times at which they overlap
+/// along each axis. With `reach` between them they count as touching [m].
+inline bool touchOnPaths(const Bounds& a, const Bounds& b, double reach) {
+  double from = 0, until = 1;
+  for (int k = 0; k < 3; ++k) {
+    const double half = a.half[k] - std::fabs(a.path[k]) / 2 + b.half[k] - std::fabs(b.path[k]) / 2 + reach;
+    const double start = (b.center[k] - b.path[k] / 2) - (a.center[k] - a.path[k] / 2),
+                 way = b.path[k] - a.path[k];
+    if (way == 0) {
+      if (std::fabs(start) > half) return false;
+      continue;
+    }
+    const double in = (-half - start) / way, out = (half - start) / way;
+    from = std::max(from, std::min(in, out)), until = std::min(until, std::max(in, out));
+  }
+  return from <= until;
+}
+
+/// Every pair whose swept boxes meet and, with a path longer than a diameter, come within the diameter of the
+/// larger body of one another; or whose box meets a half space. At least one body of it is dynamic.
 inline std::set<std::pair<int, int>> allPairs(const SolverData& s) {
   std::set<std::pair<int, int>> out;
   const auto isPlane = [&](int i) { return s.params[i].shape.kind == ShapeKind::Plane; };
@@ -99,6 +119,13 @@ inline std::set<std::pair<int, int>> allPairs(const SolverData& s) {
         for (int k = 0; k < 3; ++k)
           meet &= std::fabs(s.bounds[i].center[k] - s.bounds[j].center[k]) <=
                   s.bounds[i].half[k] + s.bounds[j].half[k];
+        const double ri = s.params[i].radius, rj = s.params[j].radius;
+        const auto isLong = [&](int body, double radius) {
+          const Vec3 path = abs(s.bounds[body].path);
+          return std::max({path.x, path.y, path.z}) > 2 * radius;
+        };
+        if (isLong(i, ri) || isLong(j, rj))
+          meet &= touchOnPaths(s.bounds[i], s.bounds[j], 2 * std::max(ri, rj));
       }
       if (meet) out.emplace(i, j);
     }

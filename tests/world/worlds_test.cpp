@@ -188,6 +188,29 @@ TEST(Arrays, RaysInManyWorldsHitWhatThoseOfEachHit) {
   test::expectRays({640, 5}, test::worldsOptions("cpu", 2), 35);
 }
 
+TEST(Arrays, RaysInManyWorldsHitDeformableObjectsThatTheyAskFor) {
+  Worlds worlds(test::worldsOptions("cpu", 2));
+  for (int w = 0; w < 3; ++w) {
+    Scene scene = test::tower(1);
+    if (w > 0) scene.deformables.emplace_back(clothSheet({-1, -1, 1. + w}, {2, 0, 0}, {0, 2, 0}, 2, 2));
+    worlds.add(scene);
+  }
+  std::vector<Worlds::WorldRay> rays;
+  for (int w = 0; w < 3; ++w)
+    for (const bool deformables : {true, false}) {
+      rays.push_back({w, {{.1, .2, 9}, {0, 0, -1}, 20, {}}});
+      rays.back().ray.filter.deformables = deformables;
+    }
+  const std::vector<RayHit> hits = worlds.castRays(rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const RayHit own = worlds[rays[i].world].castRay(rays[i].ray);
+    EXPECT_EQ(hits[i].body, own.body) << i;
+    EXPECT_EQ(hits[i].object, own.object) << i;
+    EXPECT_EQ(hits[i].distance, own.distance) << i;
+    EXPECT_EQ(hits[i].object != DeformableId{}, rays[i].world > 0 && rays[i].ray.filter.deformables) << i;
+  }
+}
+
 /// Rows follow joints that are added, removed or restored.
 TEST(Arrays, RowsAreThoseOfThePresentJoints) {
   Scene chain = test::emptyScene();

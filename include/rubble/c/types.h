@@ -12,7 +12,7 @@
 #endif
 
 /// Version of this interface. It changes when a function or a struct changes.
-#define RB_API_VERSION 2
+#define RB_API_VERSION 3
 
 #ifdef __cplusplus
 extern "C" {
@@ -51,6 +51,10 @@ typedef struct rb_body_id {
   int32_t index;
   uint32_t generation;
 } rb_body_id;
+typedef struct rb_shape_id {
+  int32_t index;
+  uint32_t generation;
+} rb_shape_id;
 typedef struct rb_joint_id {
   int32_t index;
   uint32_t generation;
@@ -146,6 +150,7 @@ typedef struct rb_axis_state {
   double limit_force;
   double drive_force;
   double friction_force;
+  double motor_force;  ///< of armature, damping and the motor
 } rb_axis_state;
 
 /// State of a joint or an attachment after the last step.
@@ -186,6 +191,8 @@ typedef struct rb_contact_point {
   double normal[3];    ///< from A to B, unit
   double depth;        ///< > 0: penetration [m]
   double force[3];     ///< on B [N]
+  int32_t part_a;      ///< of a compound: index into its parts
+  int32_t part_b;
 } rb_contact_point;
 
 /// A contact of a vertex with a body or with another vertex.
@@ -204,6 +211,10 @@ typedef struct rb_contact_event {
   int32_t phase;  ///< 0: begin, 1: stay, 2: end
   rb_body_id a;
   rb_body_id b;
+  uint64_t user_data_a;  ///< of the two bodies
+  uint64_t user_data_b;
+  uint64_t shape_user_data_a;  ///< of their shapes
+  uint64_t shape_user_data_b;
   int32_t sensor;       ///< 1: one of them is a sensor
   double impulse[3];    ///< on B, over the step [N s]
   int64_t first_point;  ///< index into rb_events.points
@@ -213,6 +224,7 @@ typedef struct rb_contact_event {
 /// A joint that broke in this step.
 typedef struct rb_joint_event {
   rb_joint_id joint;
+  uint64_t user_data;
   rb_body_id a;
   rb_body_id b;
   double force[3];   ///< on B [N]
@@ -222,6 +234,7 @@ typedef struct rb_joint_event {
 typedef struct rb_sleep_event {
   rb_body_id body;
   int32_t asleep;  ///< 1: fell asleep, 0: woke
+  uint64_t user_data;
 } rb_sleep_event;
 
 /// Events of the last step. The pointers belong to the world and are valid until its next step.
@@ -279,13 +292,21 @@ typedef struct rb_solver_state {
   double multiplier;  ///< largest |lambda| of these rows [N]
 } rb_solver_state;
 
-/// Selects bodies: one layer in `mask`, and one of `layers` in the mask of the body.
+/// Selects bodies: one layer in `mask`, and one of `layers` in the mask of the body. RB_FILTER_ALL selects
+/// all but sensors and deformable objects.
 typedef struct rb_query_filter {
   uint32_t layers;
   uint32_t mask;
-  int32_t sensors;    ///< 1: also test sensors
-  rb_body_id ignore;  ///< body to skip; index -1: none
+  int32_t sensors;                 ///< 1: also test sensors
+  rb_body_id ignore;               ///< body to skip; index -1: none
+  int32_t deformables;             ///< 1: also test deformable objects, as bodies of layer 1
+  rb_deformable_id ignore_object;  ///< object to skip; index -1: none
 } rb_query_filter;
+/// Initializes a filter.
+#define RB_FILTER_ALL                                  \
+  {                                                    \
+    0xffffffffu, 0xffffffffu, 0, {-1, 0}, 0, { -1, 0 } \
+  }
 
 typedef struct rb_ray {
   double origin[3];     ///< [m]
@@ -294,14 +315,6 @@ typedef struct rb_ray {
   rb_query_filter filter;
 } rb_ray;
 
-typedef struct rb_ray_hit {
-  int32_t hit;  ///< 0: no body; the other members are then without meaning
-  rb_body_id body;
-  double distance;     ///< [m]
-  double position[3];  ///< [m]
-  double normal[3];    ///< outward from the body
-} rb_ray_hit;
-
 typedef struct rb_cast {
   const rb_shape* shape;   ///< convex or compound
   double position[3];      ///< [m]
@@ -309,14 +322,6 @@ typedef struct rb_cast {
   double displacement[3];  ///< [m]
   rb_query_filter filter;
 } rb_cast;
-
-typedef struct rb_cast_hit {
-  int32_t hit;
-  rb_body_id body;
-  double fraction;     ///< of the displacement
-  double position[3];  ///< on the body [m]
-  double normal[3];    ///< outward from the body
-} rb_cast_hit;
 
 typedef struct rb_overlap {
   const rb_shape* shape;  ///< convex or compound
@@ -331,23 +336,18 @@ typedef struct rb_closest {
   rb_query_filter filter;
 } rb_closest;
 
-typedef struct rb_closest_hit {
-  int32_t hit;
-  rb_body_id body;
-  double distance;     ///< [m]
-  double position[3];  ///< [m]
-} rb_closest_hit;
-
-/// A hit of a query that gives all hits.
+/// What a query found.
 typedef struct rb_hit {
-  rb_body_id body;          ///< index -1: a deformable object
-  rb_deformable_id object;  ///< index -1: a body
-  int32_t part;             ///< of a compound: index into its parts
-  int32_t triangle;         ///< of a mesh, height field or deformable object: its index; otherwise -1
-  double distance;          ///< of a ray [m]; of a cast: fraction of the displacement; of an overlap: 0
-  double position[3];       ///< not of an overlap [m]
-  double normal[3];         ///< outward from what is hit; not of an overlap
-  uint64_t user_data;
+  int32_t hit;               ///< 0: nothing; the other members are then without meaning
+  rb_body_id body;           ///< index -1: a deformable object
+  rb_deformable_id object;   ///< index -1: a body
+  int32_t part;              ///< of a compound: index into its parts
+  int32_t triangle;          ///< of a mesh, height field or deformable object: its index; otherwise -1
+  double distance;           ///< [m]; of a cast: fraction of the displacement; of an overlap: 0
+  double position[3];        ///< not of an overlap [m]
+  double normal[3];          ///< outward from what is hit; not of an overlap or a closest point
+  uint64_t user_data;        ///< of the body or object
+  uint64_t shape_user_data;  ///< of the shape of the body, or of the part of a compound
 } rb_hit;
 
 typedef struct rb_pose {

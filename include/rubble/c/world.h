@@ -79,6 +79,24 @@ RB_API rb_status rb_world_apply_forces(rb_world* world, const rb_body_id* bodies
 RB_API rb_status rb_world_apply_impulses(rb_world* world, const rb_body_id* bodies, int64_t count,
                                          const double* impulses);
 
+/// Shapes: bodies with equal shapes share one, which is freed with its last use. A use is a body, or a call
+/// of rb_world_add_shape(). It cooks a new shape.
+RB_API rb_status rb_world_add_shape(rb_world* world, const rb_shape* shape, rb_shape_id* id);
+/// Takes back one call of rb_world_add_shape().
+RB_API rb_status rb_world_remove_shape(rb_world* world, rb_shape_id id);
+RB_API int32_t rb_world_shape_alive(const rb_world* world, rb_shape_id id);
+RB_API rb_status rb_world_shapes(rb_world* world, const rb_shape_id** shapes, int64_t* count);
+RB_API rb_status rb_world_shape_of(const rb_world* world, rb_body_id body, rb_shape_id* id);
+RB_API rb_status rb_world_shape_definition(const rb_world* world, rb_shape_id id, const char** json);
+/// Bodies and calls of rb_world_add_shape().
+RB_API rb_status rb_world_shape_uses(const rb_world* world, rb_shape_id id, int64_t* uses);
+/// "user_data" of a part of a compound (from 0), or of the whole shape (0).
+RB_API rb_status rb_world_shape_user_data(const rb_world* world, rb_body_id body, int32_t part,
+                                          uint64_t* user_data);
+/// Adds a body of that shape. The JSON object has the keys of a body but "shape".
+RB_API rb_status rb_world_add_body_of(rb_world* world, rb_shape_id shape, const char* json, rb_body_id* body);
+RB_API rb_status rb_world_set_shape(rb_world* world, rb_body_id body, rb_shape_id shape);
+
 /// A read-only view of a state array (rb_state_array), with all edits applied. It is valid while
 /// rb_world_epoch() is unchanged.
 RB_API rb_status rb_world_array(const rb_world* world, int32_t which, rb_array* array);
@@ -204,22 +222,22 @@ RB_API rb_status rb_world_events(rb_world* world, rb_events* events);
 RB_API rb_status rb_world_asleep(const rb_world* world, rb_body_id body, int32_t* asleep);
 RB_API rb_status rb_world_wake(rb_world* world, rb_body_id body);
 
-RB_API rb_status rb_world_cast_rays(rb_world* world, const rb_ray* rays, int64_t count, rb_ray_hit* hits);
-RB_API rb_status rb_world_cast_shapes(rb_world* world, const rb_cast* casts, int64_t count,
-                                      rb_cast_hit* hits);
+/// First hits.
+RB_API rb_status rb_world_cast_rays(rb_world* world, const rb_ray* rays, int64_t count, rb_hit* hits);
+RB_API rb_status rb_world_cast_shapes(rb_world* world, const rb_cast* casts, int64_t count, rb_hit* hits);
 /// Bodies of query k: bodies[offsets[k]] to bodies[offsets[k + 1] - 1].
 RB_API rb_status rb_world_overlaps(rb_world* world, const rb_overlap* shapes, int64_t count,
                                    const int64_t** offsets, const rb_body_id** bodies);
 RB_API rb_status rb_world_closest_points(rb_world* world, const rb_closest* points, int64_t count,
-                                         rb_closest_hit* hits);
+                                         rb_hit* hits);
 /// All hits: of query k those from hits[offsets[k]] to hits[offsets[k + 1] - 1], the first of each part of
-/// each body, by distance. `deformables`: 1: also those on deformable objects, as bodies of layer 1.
+/// each body, and of each deformable object if the filter has them, by distance.
 RB_API rb_status rb_world_cast_rays_all(rb_world* world, const rb_ray* rays, int64_t count,
-                                        int32_t deformables, const int64_t** offsets, const rb_hit** hits);
+                                        const int64_t** offsets, const rb_hit** hits);
 RB_API rb_status rb_world_cast_shapes_all(rb_world* world, const rb_cast* casts, int64_t count,
-                                          int32_t deformables, const int64_t** offsets, const rb_hit** hits);
+                                          const int64_t** offsets, const rb_hit** hits);
 RB_API rb_status rb_world_overlaps_all(rb_world* world, const rb_overlap* shapes, int64_t count,
-                                       int32_t deformables, const int64_t** offsets, const rb_hit** hits);
+                                       const int64_t** offsets, const rb_hit** hits);
 
 /// Memory of the tables of the engine [bytes].
 RB_API int64_t rb_world_memory_bytes(const rb_world* world);

@@ -48,7 +48,7 @@ RB_API rb_status rb_worlds_contact_forces(const rb_worlds* worlds, const int32_t
                                           rb_array* array);
 /// First hits of `count` rays, ray k in world numbers[k]. Hits name bodies of that world.
 RB_API rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays,
-                                     int64_t count, rb_ray_hit* hits);
+                                     int64_t count, rb_hit* hits);
 /// Sets an authored value in many worlds. `key`: "gravity", or "bodies.NAME.KEY" or "joints.NAME.KEY" with
 /// keys of scene files: "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness". World
 /// numbers[k] receives values[k * width] to values[k * width + width - 1], a number if width is 1.

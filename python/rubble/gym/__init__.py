@@ -17,11 +17,13 @@ from ._humanoid import Humanoid
 from ._lift import LiftCube
 from ._quadruped import Quadruped
 from ._random import uniform
+from ._soft import LiftSoft
 from ._vector import WorldsEnv
 from ._wall import StackWall
 
 ENVIRONMENTS = {"cart-pole": CartPole, "ant": Ant, "humanoid": Humanoid, "quadruped": Quadruped,
-                "four-bar": FourBar, "lift-cube": LiftCube, "stack-wall": StackWall}
+                "four-bar": FourBar, "lift-cube": LiftCube, "lift-soft": LiftSoft,
+                "stack-wall": StackWall}
 
 
 def make(name: str, num_envs: int = 1, **options: Any) -> WorldsEnv:
@@ -33,5 +35,5 @@ def make(name: str, num_envs: int = 1, **options: Any) -> WorldsEnv:
     return kind(num_envs, **options)
 
 
-__all__ = ["ENVIRONMENTS", "Ant", "CartPole", "FourBar", "Humanoid", "LiftCube", "Quadruped", "StackWall",
-           "WorldsEnv", "make", "uniform"]
+__all__ = ["ENVIRONMENTS", "Ant", "CartPole", "FourBar", "Humanoid", "LiftCube", "LiftSoft", "Quadruped",
+           "StackWall", "WorldsEnv", "make", "uniform"]

@@ -101,6 +101,10 @@ class WorldsEnv(VectorEnv):
         array = on_host(self.worlds.sensor_array(name))
         return array.reshape(self.num_envs, self._body_count, array.shape[1])[:, self.bodies[body]]
 
+    def vertices(self, name: str, what: str = "positions") -> np.ndarray:
+        """Positions [m] or "velocities" [m/s] of a deformable object: (num_envs, vertices, 3)."""
+        return np.stack([getattr(self.worlds[w].deformables[name], what) for w in range(self.num_envs)])
+
     def joints(self, name: str) -> np.ndarray:
         """`rubble.Worlds.joint_array` as (num_envs, axes)."""
         return on_host(self.worlds.joint_array(name)).reshape(self.num_envs, -1)

@@ -38,7 +38,9 @@ void loadState(HostTables& tables, double& previousDt, std::span<const std::byte
 class CpuEngine final : public ObservableEngine, public BatchEngine {
  public:
   explicit CpuEngine(const CpuOptions& options)
-      : executor_(options.threads, options.timings, options.tasks), avx2_(options.avx2) {}
+      : executor_(options.threads, options.timings, options.tasks, options.memory), avx2_(options.avx2) {
+    if (options.backward) executor_.takeBackward();
+  }
 
   void configure(const EngineSettings& settings) override {
     settings_ = settings;

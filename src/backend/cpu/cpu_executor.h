@@ -11,6 +11,7 @@
 
 #include <rubble/report.h>
 
+#include "backend/cpu/counting.h"
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
 #include "backend/division.h"
@@ -29,9 +30,10 @@ class CpuExecutor {
   /// coloring takes a few rounds.
   static constexpr int kMaxRounds = 10000;
 
-  /// `timings`: measure stage times. `tasks`: run all loops, if given.
-  explicit CpuExecutor(int threads, bool timings = true, TaskSystem tasks = {})
-      : threads_(threads, std::move(tasks)), timings_(timings) {}
+  /// `timings`: measure stage times. `tasks`: run all loops, if given. `memory`: of the tables.
+  explicit CpuExecutor(int threads, bool timings = true, TaskSystem tasks = {},
+                       const MemorySystem& memory = {})
+      : tables_(memory), threads_(threads, std::move(tasks)), timings_(timings) {}
 
   HostTables& tables() { return tables_; }
   const HostTables& tables() const { return tables_; }
@@ -41,9 +43,9 @@ class CpuExecutor {
   void observe(KernelObserver observer) { observer_ = std::move(observer); }
   /// Divides steps among ranks; null: this executor runs all of a step.
   void divide(Division* division) { division_ = division; }
-  /// Disables SIMD kernels and privatized counts: from now on each kernel runs index by index. Results must
-  /// not depend on it.
-  void takeOneByOne() { together_ = false; }
+  /// Disables SIMD kernels and privatized counts: from now on each loop takes its elements one by one, the last
+  /// one first. Results must not depend on it.
+  void takeBackward() { backward_ = true; }
 
   /// Runs f() on the threads of this executor.
   template <class F> void run(F&& f) { threads_.run(f); }
@@ -54,7 +56,7 @@ class CpuExecutor {
       if (division_) return runPart(kernel, n, Divided<Kernel>::which(kernel));
     const SolverData& s = view();
     if constexpr (requires { InParts<Kernel>::run(s, kernel, 0, n); })
-      if (together_)
+      if (!backward_)
         return forRange(n, [&](int begin, int end) { InParts<Kernel>::run(s, kernel, begin, end); });
     run(s, kernel, n, [](int i) { return i; });
   }
@@ -73,20 +75,11 @@ class CpuExecutor {
     run(s, kernel, (s.*offsets)[k + 1] - begin, [&](int i) { return begin + i; });
   }
 
-  void clear(Array<int> SolverData::*array, int n) {
-    std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n));
-  }
+  void clear(Array<int> SolverData::*array, int n) { clearOnThreads(view().*array, n, threads_.count()); }
   void clear(Array<int> SolverData::*array, int Counters::*n) { clear(array, view().counters->*n); }
 
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int n) {
-    int sum = 0;
-    const int* const in = view().*counts;
-    int* const out = view().*offsets;
-    for (int i = 0; i < n; ++i) {
-      out[i] = sum;
-      sum += in[i];
-    }
-    out[n] = sum;
+    scanOnThreads(view().*counts, view().*offsets, n, threads_.count());
   }
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int Counters::*n) {
     scan(counts, offsets, view().counters->*n);
@@ -103,27 +96,7 @@ class CpuExecutor {
   void groupByKey(Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
                   Array<int> SolverData::*order, int Counters::*keyCount) {
     const SolverData& s = view();
-    const int count = s.counters->*keyCount;
-    int *const offset = s.*offsets, *const to = s.*order;
-    const int* const key = s.*keys;
-    const int members = s.nodes();
-    // a key has nodes of one level only, since levels share no keys
-    const auto forEachKey = [&](auto&& f) {
-      const auto level = [&](std::size_t which) {
-        const int l = static_cast<int>(which);
-        for (int m = 0; m < members && l * members + m < n; ++m)
-          if (const int k = key[l * members + m]; k >= 0) f(k, m);
-      };
-      forEachTask(static_cast<std::size_t>(members > 0 ? (n + members - 1) / members : 0), level);
-    };
-    std::fill_n(offset, count + 1, 0);
-    forEachKey([&](int k, int) { ++offset[k]; });
-    int sum = 0;
-    for (int k = 0; k <= count; ++k) sum += std::exchange(offset[k], sum);
-    // fill upward from each offset, then shift the offsets back by one
-    forEachKey([&](int k, int member) { to[offset[k]++] = member; });
-    for (int k = count; k > 0; --k) offset[k] = offset[k - 1];
-    offset[0] = 0;
+    countingSort_.run(s.*keys, n, s.nodes(), s.counters->*keyCount, s.*offsets, s.*order, threads_.count());
   }
 
   void require(Per per, int Counters::*count) {
@@ -171,8 +144,9 @@ class CpuExecutor {
 
   // Scratch memory between steps, used by stages/pairs/order.h.
   template <class T> T* room(int n) {
-    std::unique_ptr<void, Release> memory(HostMemory::allocate(sizeof(T) * static_cast<std::size_t>(n)));
-    rooms_.push_back(std::move(memory));
+    const HostMemory& memory = tables_.memory();
+    std::unique_ptr<void, Release> own(memory.allocate(sizeof(T) * static_cast<std::size_t>(n)), {&memory});
+    rooms_.push_back(std::move(own));
     return static_cast<T*>(rooms_.back().get());
   }
   void order(const std::uint64_t* keys, int* to, int n) {
@@ -249,9 +223,13 @@ class CpuExecutor {
   /// Calls the kernel for at(0), ..., at(n - 1), four at a time if it has a SIMD version.
   template <class Kernel, class At> void run(const SolverData& s, const Kernel& kernel, int n, At&& at) {
     forRange(n, [&](int begin, int end) {
+      if (backward_) {
+        for (int i = end; i-- > begin;) kernel(s, at(i));
+        return;
+      }
       int i = begin;
       if constexpr (requires(const Lane4& four) { Simd4Kernel<Kernel>::run(s, four); })
-        for (; together_ && i + kLanes <= end; i += kLanes) {
+        for (; i + kLanes <= end; i += kLanes) {
           const auto four = [&](auto&& f, int k) {
             if (k + kLanes <= end) f({at(k), at(k + 1), at(k + 2), at(k + 3)});
           };
@@ -273,14 +251,16 @@ class CpuExecutor {
   }
 
   struct Release {
-    void operator()(void* memory) const { HostMemory::release(memory); }
+    const HostMemory* memory;
+    void operator()(void* room) const { memory->release(room); }
   };
 
   HostTables tables_;
   std::vector<std::unique_ptr<void, Release>> rooms_;
+  CountingSort countingSort_;
   Threads threads_;
   bool timings_;
-  bool together_ = true;
+  bool backward_ = false;
   Division* division_ = nullptr;
   KernelObserver observer_;
   std::vector<StageTime> times_;

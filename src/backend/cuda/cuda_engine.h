@@ -142,8 +142,9 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   void write(const ForgetContacts& e) { mirror_.forgetContacts(e.ids); }
   void write(const AddShape& e) {
     RUBBLE_CORE::apply(host(), e);
-    mirror_.shapesAppended();
+    mirror_.shapeWritten(e.place);
   }
+  void write(const DropShape&) {}
   void write(const SetSurfaces& e) {
     RUBBLE_CORE::apply(host(), e);
     mirror_.listWritten(Per::Surface), mirror_.listWritten(Per::MaterialRule);

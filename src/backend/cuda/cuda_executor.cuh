@@ -212,10 +212,11 @@ class CudaExecutor : private ScanLauncher {
       if constexpr (kLanes == 1)
         run<Search>(kernel, n);
       else
-        run(ByTile<kLanes>{}, n);
+        run(ByTile<kLanes>{kernel}, n);
     });
   }
   void run(const FindNeighbors& kernel, int n) { search<FindNeighborsByTile>(kernel, n); }
+  void run(const FindPathNeighbors& kernel, int n) { search<FindPathNeighborsByTile>(kernel, n); }
   void run(const FindUnpairedImpacts& kernel, int n) { search<FindUnpairedImpactsByTile>(kernel, n); }
   void run(const FindPairs<false>& kernel, int n) { search<FindPairsByTile>(kernel, n); }
 

@@ -206,7 +206,7 @@ void Mirror::sendAll() {
   host_.view().counters->pointPairs = liveCount(Per::PointPair);
   allWritten();
   allDirty_ = false;
-  sentShapes_[0] = host_.shapeVectors, sentShapes_[1] = host_.shapeIndices, sentShapes_[2] = host_.shapeParts;
+  sentShapes_ = endOfShapes(host_);
   forced_ = true;
   noteForces();
 }
@@ -233,7 +233,7 @@ void Mirror::sendLists() {
   std::fill(std::begin(resend_), std::end(resend_), false);
 }
 
-/// Sends the shapes that were appended.
+/// Sends the tables of shapes from the first new one on.
 void Mirror::sendShapes() {
   const auto send = [&](Per per, int& sent, int now) {
     if (now == sent) return;
@@ -242,9 +242,9 @@ void Mirror::sendShapes() {
     });
     sent = now;
   };
-  send(Per::ShapeVector, sentShapes_[0], host_.shapeVectors);
-  send(Per::ShapeIndex, sentShapes_[1], host_.shapeIndices);
-  send(Per::ShapePart, sentShapes_[2], host_.shapeParts);
+  send(Per::ShapeVector, sentShapes_.vectors, host_.shapeVectors);
+  send(Per::ShapeIndex, sentShapes_.indices, host_.shapeIndices);
+  send(Per::ShapePart, sentShapes_.parts, host_.shapeParts);
 }
 
 void Mirror::addTrees(Packet& packet) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Keeps host tables and device tables consistent. Edits are made on the host and sent before they are
 /// needed. Results of a step are fetched when they are read.
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -44,7 +45,11 @@ class Mirror {
     resend_[static_cast<int>(per)] = true;
     authored_.reset();
   }
-  void shapesAppended() { authored_.reset(); }
+  void shapeWritten(const ShapePlace& place) {
+    sentShapes_ = {std::min(sentShapes_.vectors, place.vectors), std::min(sentShapes_.indices, place.indices),
+                   std::min(sentShapes_.parts, place.parts)};
+    authored_.reset();
+  }
   void verticesWritten(int first, int count);
   void vertexForceWritten(int vertex) {
     forcedVertices_.push_back(vertex);
@@ -190,7 +195,7 @@ class Mirror {
   std::shared_ptr<const AuthoredBytes> authored_;  ///< of the last snapshot, while it is up to date
   int addedFrom_ = -1;                             ///< first body that is not on the device yet, or -1
   bool resend_[kPerCount] = {};                    ///< kinds whose authored arrays are sent as a whole
-  int sentShapes_[3] = {};  ///< vectors, indices and parts of shapes that the device has
+  ShapePlace sentShapes_;                          ///< up to here the device has the tables of shapes
   TreeChanges trees_;
   std::vector<int> treeChildren_;  ///< elements of treeChild in trees_
   std::vector<int> exclusions_, movedVertices_, dynamicVertices_, forcedVertices_;

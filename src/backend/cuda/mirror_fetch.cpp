@@ -180,7 +180,7 @@ void Mirror::restore(const DeviceSnapshot& snapshot) {
   allWritten();
   authored_ = snapshot.authored;
   allDirty_ = false;
-  sentShapes_[0] = host_.shapeVectors, sentShapes_[1] = host_.shapeIndices, sentShapes_[2] = host_.shapeParts;
+  sentShapes_ = endOfShapes(host_);
   statesOld_ = restOld_ = true;
   forcesOnDevice_ = forced_ = snapshot.hasForces;
   *s.counters = snapshot.counters;

@@ -26,26 +26,24 @@ struct ComputeBoundsByWarp {
 };
 template <> struct OnDevice<ComputeBounds> { using Type = ComputeBoundsByWarp; };
 
-template <int kTile> struct FindNeighborsByTile {
-  static constexpr const char* kStage = FindNeighbors::kStage;
+/// Several lanes for the search of one body.
+template <class Search, int kTile> struct SearchByTile {
+  static constexpr const char* kStage = Search::kStage;
   static constexpr int kWidth = kTile;
+  Search search;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
-    FindNeighbors{}(s, i, tile.lane, kWidth);
+    search(s, i, tile.lane, kWidth);
   }
 };
-
-template <int kTile> struct FindUnpairedImpactsByTile {
-  static constexpr const char* kStage = FindUnpairedImpacts::kStage;
-  static constexpr int kWidth = kTile;
-  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
-    FindUnpairedImpacts{}(s, i, tile.lane, kWidth);
-  }
-};
+template <int kTile> using FindNeighborsByTile = SearchByTile<FindNeighbors, kTile>;
+template <int kTile> using FindPathNeighborsByTile = SearchByTile<FindPathNeighbors, kTile>;
+template <int kTile> using FindUnpairedImpactsByTile = SearchByTile<FindUnpairedImpacts, kTile>;
 
 /// One lane per neighbor, for worlds without shapes of several parts.
 template <int kTile> struct FindPairsByTile {
   static constexpr const char* kStage = FindPairs<false>::kStage;
   static constexpr int kWidth = kTile;
+  FindPairs<false> search;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const int near = s.pairCount[i];
     if (collidesWithAll(s, i)) return;

@@ -130,15 +130,41 @@ RUBBLE_HD inline Real approach(const SolverData& s, const OrderedPair& o, const 
                            length(b.turn) * b.until * static_cast<double>(pb.radius - pb.shape.radius));
 }
 
+/// Do the bounding spheres of two bodies touch on their motions? Both move until the first of them stops, and
+/// then the other one alone. Their radii are larger by the gap at which an impact is found.
+RUBBLE_HD inline bool spheresMeet(const SolverData& s, int i, int j, const SweptMotion& a,
+                                  const SweptMotion& b) {
+  constexpr double kTouching = 2 * static_cast<double>(kImpactGap);
+  const double reach = static_cast<double>(s.params[i].radius + s.params[j].radius) * (1 + kTouching);
+  const auto between = [&](double t) {
+    return s.position[j] - s.position[i] + b.move * min(t, b.until) - a.move * min(t, a.until);
+  };
+  const double stop = min(a.until, b.until);
+  const Vec3d corner[3] = {between(0), between(stop), between(1)};
+  for (int k = 0; k < 2; ++k) {
+    const Vec3d& from = corner[k];
+    const Vec3d way = corner[k + 1] - from;
+    const double t = clamp(-dot(from, way) / max(dot(way, way), 1e-30), 0.0, 1.0);
+    if (lengthSquared(from + way * t) <= reach * reach) return true;
+  }
+  return false;
+}
+/// The same for any shape: planes have no bounding sphere.
+RUBBLE_HD inline bool mayMeet(const SolverData& s, int i, int j, const SweptMotion& a, const SweptMotion& b) {
+  const auto isPlane = [&](int body) { return s.params[body].shape.kind == ShapeKind::Plane; };
+  return isPlane(i) || isPlane(j) || spheresMeet(s, i, j, a, b);
+}
+
 RUBBLE_HD inline bool bothDynamic(const SolverData& s, const OrderedPair& o) {
   return s.params[o.a].kind == BodyKind::Dynamic && s.params[o.b].kind == BodyKind::Dynamic;
 }
 
-/// Is the motion of a pair, whose thinner part is `thin` thick, long enough to tunnel, or is one pressed into
-/// the other?
+/// Do the bodies of a pair, whose thinner part is `thin` thick, meet on motions long enough to tunnel, or is
+/// one pressed into the other?
 RUBBLE_HD inline bool mayPass(const SolverData& s, const OrderedPair& o, const SweptMotion& a,
                               const SweptMotion& b, Real thin, const Manifold* m) {
-  return (hasRows(m) && !bothDynamic(s, o)) || approach(s, o, a, b) > thin;
+  if (hasRows(m)) return !bothDynamic(s, o) || approach(s, o, a, b) > thin;
+  return approach(s, o, a, b) > thin && mayMeet(s, o.a, o.b, a, b);
 }
 
 /// Records that the bodies of pair i meet at this fraction of their motion. `n`: normal from A to B.

@@ -21,7 +21,7 @@ template <Executor E> void stop(E& e) {
     if (round > 0) e.forEach(BeginCcdRound{round}, s.bodies);
     e.forEach(FindImpacts{round}, &Counters::swept);
     if (s.generalShapes) e.forEach(FindGeneralImpacts{round}, &Counters::swept);
-    if (round == 0) e.forEach(FindUnpairedImpacts{}, s.bodies);
+    e.beside(FindUnpairedImpacts{round}, s.bodies);
   }
   if (joints) {
     e.forEach(RaiseIslandShares{}, s.bodies);

@@ -1,31 +1,33 @@
 #pragma once
-/// CCD for bodies that leave the region of the broad phase. Its boxes are swept by the velocities before the
-/// step, but an impact or a joint may accelerate a body within it. The motion of such a body is swept against
-/// all bodies on its path with which it has no pair.
+/// CCD for bodies that do not move as the broad phase predicted from the velocities before the step: an
+/// impact or a joint accelerates or stops them within it. The motion of such a body is swept against all
+/// bodies on its way with which it has no pair.
 #include "stages/ccd/general_impacts.h"
 #include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Bounding box of the motion of a body.
-RUBBLE_HD inline Bounds boundsOfMotion(const SolverData& s, int i) {
+/// Bounding box of a body on a share of its motion, from `begin` to `end` [1].
+RUBBLE_HD inline Bounds boundsOfMotion(const SolverData& s, int i, Real begin, Real end) {
   const BodyParams& p = s.params[i];
   const Displacement& d = s.dx[i];
-  const Real turn = min(length(d.dw), Real(1)) * p.radius;
+  const Real turn = min(end * length(d.dw), Real(1)) * p.radius;
   Bounds b{};
-  b.center = Vec3(s.position[i]) + Real(.5) * d.dp;
-  b.half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(d.dp) + Vec3{turn, turn, turn};
+  b.path = (end - begin) * d.dp;
+  b.center = Vec3(s.position[i]) + Real(.5) * (begin + end) * d.dp;
+  b.half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(b.path) + Vec3{turn, turn, turn};
   b.level = -1;
   return b;
 }
 
-/// Does the motion of a body leave its broad-phase box by more than the allowed penetration?
-RUBBLE_HD inline bool leavesBounds(const SolverData& s, int i, const Bounds& motion) {
+/// Does the motion of a body lead to where the broad phase found no pairs? That is out of its box by more
+/// than the allowed penetration, or off its path by more than its radius (pathReach()).
+RUBBLE_HD inline bool leavesPath(const SolverData& s, int i, const Bounds& motion) {
   const BodyParams& p = s.params[i];
   const Bounds& b = s.bounds[i];
-  const Vec3 out = abs(motion.center - b.center) + motion.half - b.half;
+  const Vec3 out = abs(motion.center - b.center) + motion.half - b.half, off = abs(motion.path - b.path);
   const Real slack = max(ownMargin(s, p), kHeldDepth * innerRadiusOf(s.shapeTables(), p.shape));
-  return out.x > slack || out.y > slack || out.z > slack;
+  return max(out.x, max(out.y, out.z)) > slack || max(off.x, max(off.y, off.z)) > p.radius;
 }
 
 /// Is there a pair of part `part` of a body and a part of another one in this step? Against a surface, any
@@ -45,11 +47,11 @@ RUBBLE_HD inline bool arePaired(const SolverData& s, int body, int part, int oth
   return false;
 }
 
-/// Time of impact of parts without a pair, if the penetration would exceed what the rows of the next step
-/// correct.
+/// Time of impact of parts without a pair. Unless `anyTouch`, only if the penetration would exceed what the
+/// rows of the next step correct.
 RUBBLE_HD inline TimeOfImpact timeOfImpactUnpaired(const PlacedAny& part, const SweptMotion& motion,
                                                    const PlacedAny& other, const SweptMotion& otherMotion,
-                                                   double tolerance) {
+                                                   double tolerance, bool anyTouch) {
   const ShapeTables& tables = part.tables;
   const Real thin = thinner(innerRadiusOf(tables, part.shape), innerRadiusOf(tables, other.shape));
   if (part.shape.kind == ShapeKind::Distance || other.shape.kind == ShapeKind::Distance) {
@@ -63,7 +65,7 @@ RUBBLE_HD inline TimeOfImpact timeOfImpactUnpaired(const PlacedAny& part, const 
   if (!isSurface(other.shape.kind)) {
     const Placed its = asConvex(other);
     const TimeOfImpact first = timeOfImpact(convex, motion, its, otherMotion, tolerance);
-    if (first.fraction > 1) return first;
+    if (first.fraction > 1 || anyTouch) return first;
     const double gap = gapAlong(movedBy(convex, motion, 1), movedBy(its, otherMotion, 1), first.at.n);
     return gap < -static_cast<double>(kHeldDepth * thin) ? first : TimeOfImpact{kNoImpact, first.at};
   }
@@ -85,22 +87,29 @@ RUBBLE_HD inline Vec3d normalOf(const PlacedAny& part, const PlacedAny& other, c
   return isSurface(other.shape.kind) && part.shape.kind != ShapeKind::Distance ? -at.at.n : at.at.n;
 }
 
+/// In the first round bodies that leave their paths search, in later ones those that have been stopped.
 struct FindUnpairedImpacts {
   static constexpr const char* kStage = "ccd";
+  int round;
   RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     if (s.counters->anyFast == 0 || s.fast[i] == 0) return;
     if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
-    const Bounds motion = boundsOfMotion(s, i);
-    if (!leavesBounds(s, i, motion)) return;
-    searchPath(
-        s, i, motion,
+    if (round > 0 && s.ccdRound[ccdOwner(s, i)] != round) return;
+    // what stops waits there for those whose way it then blocks
+    const SweptMotion motion = motionIn(s, i);
+    const Real end = round == 0 ? Real(1) : static_cast<Real>(motion.until);
+    const Bounds way = boundsOfMotion(s, i, round == 0 ? Real(0) : end, end);
+    if (round == 0 && !leavesPath(s, i, way)) return;
+    searchWay(
+        s, i, way,
         [&](int other) {
-          if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
-          // primitive bodies whose boxes touched have a pair; parts of others may be too far apart for one
-          if (isPrimitivePair(s, i, other) && boundsTouch(s.bounds[i], s.bounds[other])) return;
-          const double fraction = timeOfImpactWithBody(s, i, other);
+          if (other == i || !mayMeet(s, i, other, motion, motionIn(s, other))) return;
+          if (isSensor(s, other) || !mayCollide(s, i, other)) return;
+          // primitive partners have a pair; parts of others may be too far apart for one
+          if (isPrimitivePair(s, i, other) && arePartners(s, i, other)) return;
+          const double fraction = timeOfImpactWithBody(s, i, motion, other);
           if (!(fraction <= 1)) return;
           const int bits = floatBits(static_cast<Real>(1 - fraction));
           atomicRaise(&s.ccdShareBits[i], bits);
@@ -110,14 +119,18 @@ struct FindUnpairedImpacts {
   }
 
   /// Fraction of its motion after which body i meets `other`.
-  RUBBLE_HD static double timeOfImpactWithBody(const SolverData& s, int i, int other) {
+  RUBBLE_HD static double timeOfImpactWithBody(const SolverData& s, int i, const SweptMotion& motion,
+                                               int other) {
     const ShapeData &own = s.params[i].shape, &its = s.params[other].shape;
     const bool surface = isSurface(own.kind) || isSurface(its.kind);
     const int ownParts = parts::count(s, own), itsParts = parts::count(s, its);
-    const SweptMotion motion = motionIn(s, i), otherMotion = motionIn(s, other);
+    const SweptMotion otherMotion = motionIn(s, other);
     const Real thin = thinner(innerRadiusOf(s.shapeTables(), own), innerRadiusOf(s.shapeTables(), its));
     if (approach(s, {i, other}, motion, otherMotion) <= thin) return kNoImpact;
     const double tolerance = static_cast<double>(kImpactGap * pairLength(s.params[i], s.params[other]));
+    // bodies that the broad phase left out for their paths alone stop as pairs do
+    const bool anyTouch = isPrimitivePair(s, i, other) && its.kind != ShapeKind::Plane &&
+                          boundsTouch(s.bounds[i], s.bounds[other]);
     double first = kNoImpact;
     for (int k = 0; k < ownParts; ++k)
       for (int j = 0; j < itsParts; ++j) {
@@ -125,7 +138,7 @@ struct FindUnpairedImpacts {
         const PlacedAny a = placedAny(s.shapeTables(), own, {0, 0, 0}, s.orientation[i], k);
         const PlacedAny b = placedAny(s.shapeTables(), its, s.position[other] - s.position[i],
                                       s.orientation[other], j);
-        const TimeOfImpact m = timeOfImpactUnpaired(a, motion, b, otherMotion, tolerance);
+        const TimeOfImpact m = timeOfImpactUnpaired(a, motion, b, otherMotion, tolerance, anyTouch);
         if (!(m.fraction > 0) || (s.oneWay && !stopsOneWay(s, {i, other}, {k, j}, normalOf(a, b, m))))
           continue;
         first = min(first, m.fraction);

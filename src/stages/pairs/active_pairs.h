@@ -29,7 +29,7 @@ struct FindImpactSpeedBounds {
       return;
     const auto agitate = [&](int body, const BodyParams& own, const BodyParams& other) {
       const int bits = floatBits(speed.closing * shareOfImpact(own, other));
-      if (own.kind == BodyKind::Dynamic && bits > s.impactSpeedBound[body])
+      if (own.kind == BodyKind::Dynamic && bits > atomicLoad(&s.impactSpeedBound[body]))
         atomicRaise(&s.impactSpeedBound[body], bits);
     };
     agitate(p.owner, po, pb), agitate(p.other, pb, po);

@@ -1,196 +1,35 @@
 #pragma once
-/// Broad phase: a hashed multi-level grid. A body lies in the cell of its center, at the level that fits its
-/// swept box. It searches its own level and all coarser ones. Buckets of cells with ascending x are adjacent
-/// in memory.
-#include "solver/inertia.h"
+/// Broad phase: the search for pairs in the grid. A body searches its own level and all coarser ones. Two
+/// bodies are partners if their swept boxes touch and, with long paths, if they come near on these.
 #include "stages/pairs/filter.h"
-#include "stages/pairs/pair_parts.h"
+#include "stages/pairs/long_paths.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Largest half extent of a body of a level, in cells; and the allowance for rotation and motion in the
-/// radius test [1].
-inline constexpr Real kLevelFill = Real(1.35), kTurnedWay = Real(1.1);
+/// The bodies of a layer that a body searches. All: every one. InNumber: those of higher index. InPlace:
+/// those in later cells in row order, and those of higher index in its own cell. By either of the last two,
+/// one of two bodies of a layer finds the other; InPlace visits half as many cells.
+enum class Ahead { All, InNumber, InPlace };
 
-/// Edge of the cells of a level [m]: powers of two.
-RUBBLE_HD inline Real cellSize(int level) { return std::ldexp(Real(1), level - kMetreLevel); }
-
-RUBBLE_HD inline int cellOf(Real x, Real size) {
-  constexpr Real kFar = Real(1e9);
-  return static_cast<int>(std::floor(clamp(x * (Real(1) / size), -kFar, kFar)));
-}
-
-/// Bodies of one layer are on one level and in one world.
-RUBBLE_HD constexpr int layerOf(int world, int level) { return level + kGridLevels * world; }
-
-RUBBLE_HD inline int bucketOf(const SolverData& s, int layer, int x, int y, int z) {
-  // the layers of the first world have the numbers of their levels
-  const std::uint32_t row = hash32(
-      static_cast<std::uint32_t>(y) * 0x9e3779b1u ^
-      hash32(static_cast<std::uint32_t>(z) * 32u + static_cast<std::uint32_t>(layer)));
-  return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.cells - 1));
-}
-
-/// Detection margin of a body: half the smallest margin of a pair of equal bodies [m].
-RUBBLE_HD inline Real ownMargin(const SolverData& s, const BodyParams& p) {
-  return s.step->contactMargin * p.radius;
-}
-
-/// raise(most, value) for each maximum that is kept per level, with the value of a body: half extents and
-/// cells.
-template <class Raise> RUBBLE_HD void raiseExtents(const SolverData& s, const Bounds& b, Raise&& raise) {
-  Counters& c = *s.counters;
-  for (int k = 0; k < 3; ++k) raise(&c.levelHalf[b.level][k], floatBits(b.half[k] * Real(1.000001)));
-  const int cell[3] = {b.x, b.y, b.z};
-  for (int k = 0; k < 3; ++k)
-    for (int side = 0; side < 2; ++side)
-      raise(&c.levelReach[b.level][side][k], kCellOrigin + (side == 0 ? -cell[k] : cell[k]));
-}
-
-/// Displacement of a body in a step by its velocity and by the share of gravity that it followed in the last
-/// step [m].
-RUBBLE_HD inline Vec3 pathAhead(const SolverData& s, int i) {
-  const Real dt = s.step->dt;
-  const Vec3 v = s.velocity[i];
-  if (s.params[i].kind != BodyKind::Dynamic) return dt * v;
-  const Vec3 gravity = s.params[i].gravityScale * s.stepOf(i).gravity;
-  return inertialDisplacement(v, followedShare(v, s.previousVelocity[i], gravity, dt) * gravity, dt);
-}
-
-/// Boxes at x^t, swept by the predicted motion and rotation, with the detection margin; and their cells.
-struct ComputeBounds {
-  static constexpr const char* kStage = "bounds";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (!place(s, i)) return;
-    const Bounds& b = s.bounds[i];
-    if (int* members = &s.counters->levelCount[b.level]; atomicLoad(members) <= kListedBodies)
-      list(s, b.level, atomicCount(members, 1), i);
-    raiseExtents(s, b, [](int* most, int value) {
-      if (value > atomicLoad(most)) atomicRaise(most, value);
-    });
-  }
-  /// Stores body i as the k-th of its level.
-  RUBBLE_HD static void list(const SolverData& s, int level, int k, int i) {
-    if (k < kListedBodies) s.counters->levelBody[level][k] = i;
-  }
-  /// Everything but the maxima of the level. Returns false if the body is not in the grid.
-  RUBBLE_HD static bool place(const SolverData& s, int i) {
-    const BodyParams& p = s.params[i];
-    Bounds& b = s.bounds[i];
-    b.level = -1;
-    if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane || isPaused(s, i)) return false;
-    const Quat q = s.orientation[i];
-    const Vec3 sweep = Real(.5) * pathAhead(s, i);
-    const Vec3 x(s.position[i]);
-    // Rotation moves the surface by at most the radius. The error of a single-precision center is added.
-    const Real turn = min(s.step->dt * length(s.angularVelocity[i]), Real(1)) * p.radius;
-    const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
-    const Real grow = turn + ownMargin(s, p) + roundOff;
-    // unpaired_impacts.h sweeps bodies that leave this box
-    b.center = x + sweep;
-    b.half = boundingHalf(p.shape, q) + abs(sweep) + Vec3{grow, grow, grow};
-    int level = 0;
-    const Real widest = max(kTurnedWay * p.radius, max(b.half.x, max(b.half.y, b.half.z)));
-    Real size = cellSize(level);
-    while (level < kGridLevels - 1 && widest > kLevelFill * size) ++level, size *= 2;
-    b.level = level;
-    b.x = cellOf(b.center.x, size), b.y = cellOf(b.center.y, size), b.z = cellOf(b.center.z, size);
-    atomicCount(&s.bucketCount[bucketOf(s, layerOf(s.worldOf(i), level), b.x, b.y, b.z)], 1);
-    return true;
-  }
-};
-
-/// Sorts bodies into buckets. The order inside a bucket is not fixed; pairs are sorted later.
-struct FillGrid {
-  static constexpr const char* kStage = "grid";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const Bounds& b = s.bounds[i];
-    if (b.level < 0) return;
-    const int layer = layerOf(s.worldOf(i), b.level), bucket = bucketOf(s, layer, b.x, b.y, b.z);
-    const int slot = s.bucketOffset[bucket] + atomicCount(&s.bucketCount[bucket], -1) - 1;
-    s.grid[slot] = {b.center, b.half, i, layer};
-  }
-};
-
-/// visit(entry) for each body of a layer whose level has few bodies; share of worker `lane` of `lanes`.
-/// Returns false if the level has many.
-template <class Visit>
-RUBBLE_HD bool visitListed(const SolverData& s, int layer, Visit&& visit, int lane = 0, int lanes = 1) {
-  const int level = layer % kGridLevels, world = layer / kGridLevels;
-  const int members = s.counters->levelCount[level];
-  if (members > kListedBodies) return false;
-  for (int k = lane; k < members; k += lanes) {
-    const int body = s.counters->levelBody[level][k];
-    if (s.worldOf(body) != world) continue;
-    visit(GridEntry{s.bounds[body].center, s.bounds[body].half, body, layer});
-  }
-  return true;
-}
-
-/// Cells of a level that may contain the center of a body touching these bounds.
-struct CellRange {
-  int x0, x1, y0, y1, z0, z1;
-  RUBBLE_HD bool empty() const { return x1 < x0 || y1 < y0 || z1 < z0; }
-  RUBBLE_HD int rows() const { return (y1 - y0 + 1) * (z1 - z0 + 1); }
-  RUBBLE_HD double cells() const {
-    return (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1);
-  }
-};
-RUBBLE_HD inline CellRange cellsAround(const SolverData& s, const Bounds& b, int level) {
-  const Real size = cellSize(level);
-  Vec3 reach;
-  for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
-  const auto& most = s.counters->levelReach[level];
-  const auto low = [&](int k) { return max(cellOf(b.center[k] - reach[k], size), kCellOrigin - most[0][k]); };
-  const auto high = [&](int k) {
-    return min(cellOf(b.center[k] + reach[k], size), most[1][k] - kCellOrigin);
-  };
-  return {low(0), high(0), low(1), high(1), low(2), high(2)};
-}
-
-/// Entries of the buckets of a row of cells. They are contiguous, and wrap around after the last bucket.
-struct RowOfCells {
-  int begin, end;  ///< in the grid
-  int wrapped;     ///< number of further entries at the beginning of the grid
-};
-RUBBLE_HD inline RowOfCells rowOfCells(const SolverData& s, int layer, int x0, int x1, int y, int z) {
-  const int bucket = bucketOf(s, layer, x0, y, z), cells = x1 - x0 + 1, here = min(cells, s.cells - bucket);
-  return {s.bucketOffset[bucket], s.bucketOffset[bucket + here],
-          here < cells ? s.bucketOffset[cells - here] : 0};
-}
-
-/// Do two boxes (Bounds or GridEntry) touch?
-template <class A, class B> RUBBLE_HD bool boundsTouch(const A& a, const B& b) {
-  return !(std::fabs(a.center.x - b.center.x) > a.half.x + b.half.x) &&
-         !(std::fabs(a.center.y - b.center.y) > a.half.y + b.half.y) &&
-         !(std::fabs(a.center.z - b.center.z) > a.half.z + b.half.z);
-}
-
-/// The bodies of its own level that a body searches. InNumber: those of higher index. InPlace: those in later
-/// cells in row order, and those of higher index in its own cell. Either way one of two bodies finds the
-/// other; the latter visits half as many cells.
-enum class Ahead { InNumber, InPlace };
-
-/// found(other) for the bodies of a level whose bounds touch those of body i; share of worker `lane` of
-/// `lanes`.
-template <Ahead kAhead, class Found>
-RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int level, Found&& found, int lane,
-                           int lanes) {
-  const bool own = level == b.level;
+/// found(other) for the bodies of a level whose bounds touch b; share of worker `lane` of `lanes`. `b`: the
+/// bounds of body i, or for Ahead::All any other box.
+template <class Found>
+RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int level, Ahead which, Found&& found,
+                           int lane, int lanes) {
   const int layer = layerOf(s.worldOf(i), level);
   const auto touches = [&](const GridEntry& e) { return boundsTouch(e, b); };
   const auto tryEntry = [&](const GridEntry& e) {
-    if ((!own || e.body > i) && touches(e)) found(e.body);
+    if ((which == Ahead::All || e.body > i) && touches(e)) found(e.body);
   };
   if (visitListed(s, layer, tryEntry, lane, lanes)) return;
   const Real size = cellSize(level);
   const CellRange c = cellsAround(s, b, level);
   if (c.empty()) return;
-  const bool inPlace = own && kAhead == Ahead::InPlace;
+  const bool inPlace = which == Ahead::InPlace;
   // the first cell to visit
   const int x0 = inPlace ? b.x : c.x0, y0 = inPlace ? b.y : c.y0, z0 = inPlace ? b.z : c.z0;
   const auto tryCell = [&](const GridEntry& e, int x, int y, int z) {
-    const bool ahead = !own || e.body > i || (inPlace && !(x == b.x && y == b.y && z == b.z));
+    const bool ahead = which == Ahead::All || e.body > i || (inPlace && !(x == b.x && y == b.y && z == b.z));
     if (ahead && touches(e)) found(e.body);
   };
   // with more cells than buckets a scan of all bodies is cheaper, which bounds the cost of any speed
@@ -238,61 +77,147 @@ RUBBLE_HD void searchPlanes(const SolverData& s, int world, const Box& b, Found&
                             int lanes = 1) {
   const int end = s.planesEnd(world);
   for (int k = s.planesBegin(world) + lane; k < end; k += lanes) {
-    const int plane = s.planeBody[k];
-    const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
-    const Real height = dot(up, b.center - Vec3(s.position[plane]));
-    if (height <= dot(abs(up), b.half)) found(plane);
+    if (const int plane = s.planeBody[k]; touchesPlane(s, plane, b)) found(plane);
   }
 }
-/// found(other) for all bodies whose bounds touch the box `way` of a motion of body i, which leaves its own
-/// bounds.
+/// found(other) for the bodies with long paths in a level whose bounds touch those of a probe, which also
+/// come near it if it follows its path. `which` and `i` as in searchLevel(); share of worker `lane` of
+/// `lanes`.
 template <class Found>
-RUBBLE_HD void searchPath(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
-  for (int level = 0; level < kGridLevels; ++level)
-    if (s.counters->levelCount[level] > 0) searchLevel<Ahead::InNumber>(s, i, way, level, found, lane, lanes);
+RUBBLE_HD void searchLongPaths(const SolverData& s, int i, const PathProbe& probe, int level, Ahead which,
+                               Found&& found, int lane, int lanes) {
+  const Bounds& b = probe.box;
+  const int layer = layerOf(s.worldOf(i), level);
+  const auto foundTouching = [&](int j) {
+    if (!probe.follows || pathsMeet(s, i, j)) found(j);
+  };
+  const auto tryEntry = [&](const GridEntry& e) {
+    if ((which == Ahead::All || e.body > i) && boundsTouch(e, b)) foundTouching(e.body);
+  };
+  if (visitListed(s, layer, tryEntry, lane, lanes)) return;
+  const CellRange c = cellsAround(s, b, level);
+  if (c.empty()) return;
+  // with more cells than buckets a scan of all bodies is cheaper
+  if (c.cells() > s.cells) return searchLevel(s, i, b, level, which, foundTouching, lane, lanes);
+  const int wide = c.x1 - c.x0 + 1, deep = c.y1 - c.y0 + 1, cells = wide * c.rows();
+  for (int k = lane; k < cells; k += lanes) {
+    const CellAt cell{level, layer, c.x0 + k % wide, c.y0 + k / wide % deep, c.z0 + k / wide / deep};
+    const bool own = cell.holds(b);
+    if (which == Ahead::InPlace && !own &&
+        !(cell.z != b.z   ? cell.z > b.z
+          : cell.y != b.y ? cell.y > b.y
+                          : cell.x > b.x))
+      continue;
+    const bool every = which == Ahead::All || (which == Ahead::InPlace && !own);
+    const auto tryBody = [&](int j) {
+      if ((every || j > i) && boundsTouch(s.bounds[j], b)) foundTouching(j);
+    };
+    const int bucket = bucketOf(s, layer, cell.x, cell.y, cell.z), begin = s.bucketOffset[bucket],
+              end = s.bucketOffset[bucket + 1];
+    if (visitSubcells(s, cell, probe, end - begin, tryBody)) continue;
+    for (int entry = begin; entry < end; ++entry) {
+      const GridEntry& e = s.grid[entry];
+      // another cell may share the bucket
+      if (e.layer == layer && (every || e.body > i) && boundsTouch(e, b) && cell.holds(s.bounds[e.body]))
+        foundTouching(e.body);
+    }
+  }
+}
+
+/// found(other) for all bodies whose bounds touch the box `way`, in which body i is away from its path.
+template <class Found>
+RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
+  for (int level = 0; level < kGridLevels; ++level) {
+    if (s.counters->levelCount[level] == 0) continue;
+    if (isLongLevel(level))
+      searchLongPaths(s, i, {way, s.params[i].radius, false}, level, Ahead::All, found, lane, lanes);
+    else
+      searchLevel(s, i, way, level, Ahead::All, found, lane, lanes);
+  }
   searchPlanes(s, s.worldOf(i), way, found, lane, lanes);
 }
 
-/// found(other, otherOwns) for the bodies whose bounds touch those of body i: in its own level those ahead of
-/// it, in coarser levels all. Share of worker `lane` of `lanes`.
+/// Is a body in the grid in this step?
+RUBBLE_HD inline bool isInGrid(const SolverData& s, int i) {
+  const BodyParams& p = s.params[i];
+  return p.kind != BodyKind::Removed && p.shape.kind != ShapeKind::Plane && !isPaused(s, i);
+}
+
+/// found(other, otherOwns) for the partners of body i if neither has a long path: in its own level those that
+/// kAhead names, in coarser levels all. Share of worker `lane` of `lanes`.
 template <Ahead kAhead, class Found>
 RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
-  const BodyParams& p = s.params[i];
-  if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane || isPaused(s, i)) return;
+  if (!isInGrid(s, i)) return;
   const Bounds& b = s.bounds[i];
-  for (int level = b.level; level < kGridLevels; ++level)
-    searchLevel<kAhead>(
-        s, i, b, level, [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
+  if (isLongLevel(b.level)) return;
+  for (int level = b.level; level < kGridSizes; ++level)
+    searchLevel(
+        s, i, b, level, level == b.level ? kAhead : Ahead::All,
+        [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
   searchPlanes(
       s, s.worldOf(i), b, [&](int plane) { found(plane, false); }, lane, lanes);
 }
-/// found(other) for the partners of body i: its bounds touch theirs, they may collide, and body i owns the
-/// pair.
+/// The same if one of the two has a long path.
+template <Ahead kAhead, class Found>
+RUBBLE_HD RUBBLE_OUT_OF_LINE void searchPaths(const SolverData& s, int i, Found&& found, int lane = 0,
+                                              int lanes = 1) {
+  if (s.counters->pathCells == 0 || !isInGrid(s, i)) return;
+  const Bounds& b = s.bounds[i];
+  const bool isLong = isLongLevel(b.level);
+  for (int size = sizeOf(b.level); size < kGridSizes; ++size) {
+    const bool same = size == sizeOf(b.level);
+    const auto foundPartner = [&](int other) { found(other, same && other < i); };
+    const auto foundBody = [&](int other) {
+      if (pathsMeet(s, i, other)) foundPartner(other);
+    };
+    const auto which = [&](int level) {
+      return level == b.level ? kAhead : same && kAhead == Ahead::InNumber ? kAhead : Ahead::All;
+    };
+    // of bodies with long and with short paths in cells of one size, in place the latter find the former
+    const bool foundByOthers = same && kAhead == Ahead::InPlace;
+    if (isLong && !foundByOthers) searchLevel(s, i, b, size, which(size), foundBody, lane, lanes);
+    if (const int level = size + kGridSizes; s.counters->levelCount[level] > 0)
+      searchLongPaths(s, i, {b, s.params[i].radius, true}, level, which(level), foundPartner, lane, lanes);
+  }
+  if (!isLong) return;
+  searchPlanes(
+      s, s.worldOf(i), b, [&](int plane) { found(plane, false); }, lane, lanes);
+}
+/// found(other) for the partners of body i with which it may collide and owns the pair.
 template <class Found>
 RUBBLE_HD void searchPartners(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
-  searchBounds<Ahead::InNumber>(
-      s, i,
-      [&](int other, bool) {
-        if (mayCollide(s, i, other)) found(other);
-      },
-      lane, lanes);
+  const auto foundPartner = [&](int other, bool) {
+    if (mayCollide(s, i, other)) found(other);
+  };
+  searchBounds<Ahead::InNumber>(s, i, foundPartner, lane, lanes);
+  searchPaths<Ahead::InNumber>(s, i, foundPartner, lane, lanes);
 }
 
-/// Stores bodies with touching bounds with the owner of the pair. In one level that is the body of lower
-/// index, else the one in the finer level. The first kPairSlots are stored, in no fixed order.
+/// Stores a pair with its owner. In cells of one size that is the body of lower index, else the one in the
+/// finer cells. The first kPairSlots are stored, in no fixed order.
+RUBBLE_HD inline void storePartner(const SolverData& s, int i, int other, bool otherOwns) {
+  const int owner = otherOwns ? other : i;
+  const int slot = atomicCount(&s.pairCount[owner], 1);
+  if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
+}
+/// Finds partners without long paths.
 struct FindNeighbors {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     searchBounds<Ahead::InPlace>(
-        s, i,
-        [&](int other, bool otherOwns) {
-          const int owner = otherOwns ? other : i;
-          const int slot = atomicCount(&s.pairCount[owner], 1);
-          if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
-        },
-        lane, lanes);
+        s, i, [&](int other, bool otherOwns) { storePartner(s, i, other, otherOwns); }, lane, lanes);
+  }
+};
+/// Finds partners of which one has a long path. It is a separate kernel so that the other one stays small.
+struct FindPathNeighbors {
+  static constexpr const char* kStage = "pairs";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
+  /// Share of worker `lane` of `lanes`.
+  RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
+    searchPaths<Ahead::InPlace>(
+        s, i, [&](int other, bool otherOwns) { storePartner(s, i, other, otherOwns); }, lane, lanes);
   }
 };
 

@@ -1,6 +1,5 @@
 #pragma once
 /// Bodies along a path, by the grid of the broad phase.
-#include "collision/sweep.h"
 #include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {

@@ -83,7 +83,7 @@ RUBBLE_HD inline Pair movedPair(const SolverData& s, const NewPlaces& places, co
   p.owner = places.of(old.owner), p.other = places.of(old.other);
   if (old.other < 0) return p;
   // planes own no pairs
-  const int level = s.bounds[old.owner].level, otherLevel = s.bounds[old.other].level;
+  const int level = sizeOf(s.bounds[old.owner].level), otherLevel = sizeOf(s.bounds[old.other].level);
   if (otherLevel < 0 || level < otherLevel || (level == otherLevel && p.owner < p.other)) return p;
   p.owner = places.of(old.other), p.other = places.of(old.owner);
   p.ownerIsA = !old.ownerIsA;

@@ -19,8 +19,13 @@ template <Executor E> void find(E& e) {
   e.forEach(ComputeBounds{}, bodies);
   e.scan(&SolverData::bucketCount, &SolverData::bucketOffset, cells);
   e.forEach(FillGrid{}, bodies);
+  e.require(Per::PathCell, &Counters::pathCells);
+  e.forEach(ClearCellPaths{}, &Counters::pathCells);
+  e.forEach(MeasurePaths{}, &Counters::pathCells);
+  e.forEach(LinkSubcells{}, &Counters::pathCells);
   e.clear(&SolverData::pairCount, bodies);
   e.forEach(FindNeighbors{}, bodies);
+  e.beside(FindPathNeighbors{}, bodies);
   forEachOwner<FindPairs>(e);
   e.scan(&SolverData::pairCount, &SolverData::pairOffset, bodies, &Counters::pairs, Per::Pair);
   forEachOwner<WritePairs>(e);
