@@ -27,6 +27,7 @@ struct rb_snapshot {
 /// A world, and the lists that its last calls returned.
 struct rb_world {
   std::shared_ptr<rubble::World> world;
+  rubble::Appearance appearance;  ///< of its scene
   rubble::StepReport report;
   std::vector<rb_body_id> bodies, added, overlapping;
   std::vector<rb_shape_id> shapes;

@@ -52,10 +52,11 @@ struct rb_painter {
   std::unique_ptr<render::Painter> painter;  ///< made with the first picture, which colors are taken from
   io::Image image = {};
 
-  void draw(const std::vector<io::PictureBody>& bodies, const Vec3& gravity, const rb_camera* view,
-            rb_image* out) {
+  void draw(const std::vector<io::PictureBody>& bodies, const Vec3& gravity, const Appearance& appearance,
+            const rb_camera* view, rb_image* out) {
     render::Camera camera = cameraFor(bodies, gravity, view);
-    if (!painter) painter = device->painter(bodies, gravity, camera, settings);
+    if (!painter)
+      settings.appearance = appearance, painter = device->painter(bodies, gravity, camera, settings);
     image = painter->paint(bodies, camera);
     need(out, "image") = {image.width, image.height, image.rgb.data()};
   }
@@ -90,7 +91,7 @@ rb_status rb_painter_draw_world(rb_painter* painter, const rb_world* world, cons
   return guarded([&] {
     rb_painter& by = need(painter, "painter");
     const World& drawn = worldOf(world);
-    by.draw(io::pictureBodies(drawn, by.settings.colorBy), drawn.gravity(), camera, image);
+    by.draw(io::pictureBodies(drawn, by.settings.colorBy), drawn.gravity(), world->appearance, camera, image);
   });
 }
 
@@ -99,7 +100,8 @@ rb_status rb_painter_draw_frame(rb_painter* painter, rb_recording* recording, in
   return guarded([&] {
     rb_painter& by = need(painter, "painter");
     io::RecordingReader& reader = need(recording, "recording").reader;
-    by.draw(io::pictureBodies(reader, frameIndex(reader, index)), reader.header().gravity, camera, image);
+    by.draw(io::pictureBodies(reader, frameIndex(reader, index)), reader.header().gravity,
+            reader.header().appearance, camera, image);
   });
 }
 

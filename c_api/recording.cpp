@@ -38,6 +38,7 @@ rb_status rb_recorder_create(const rb_world* world, const char* file, const char
     header.scene = textOr(title, "");
     header.dt = recorded.params().dt;
     header.gravity = recorded.gravity();
+    header.appearance = world->appearance;
     header.resolution = resolution > 0 ? resolution
                                        : io::recordingResolution(io::recordedBodies(recorded),
                                                                  io::recordedSofts(recorded));

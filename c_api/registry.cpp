@@ -44,6 +44,7 @@ std::unique_ptr<rb_run> runOf(scenes::Job job, const char* options) {
   auto out = std::make_unique<rb_run>();
   out->runner = std::make_shared<scenes::Runner>(std::move(job), parsed);
   out->world.world = std::shared_ptr<World>(out->runner, &out->runner->world());
+  out->world.appearance = out->runner->job().appearance;
   return out;
 }
 
@@ -158,6 +159,7 @@ rb_status rb_run_scene(const rb_scene* scene, const char* options, rb_run** run)
     job.probes.push_back(scenes::qualityProbe(std::numeric_limits<double>::infinity()));
     job.steps = file.steps, job.iterations = file.iterations, job.substeps = file.substeps;
     job.smashStep = file.smashStep, job.dt = file.dt;
+    job.appearance = file.appearance, job.sensors = file.sensors;
     need(run, "run") = runOf(std::move(job), options).release();
   });
 }

@@ -60,6 +60,7 @@ rb_status rb_world_create(const rb_scene* scene, const char* options, rb_world**
     auto made = std::make_shared<World>(need(scene, "scene").file.scene, parsed);
     auto handle = std::make_unique<rb_world>();
     handle->world = std::move(made);
+    handle->appearance = need(scene, "scene").file.appearance;
     need(world, "world") = handle.release();
   });
 }

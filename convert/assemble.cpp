@@ -108,8 +108,8 @@ Pose poseInBody(const Layout& layout, int link) {
   return link < 0 ? Pose{} : layout.inRoot[static_cast<std::size_t>(link)];
 }
 
-Scene assemble(const Model& model, Report& report) {
-  Scene scene;
+void assemble(const Model& model, io::SceneFile& out, Report& report) {
+  Scene& scene = out.scene;
   scene.name = model.name;
   scene.gravity = model.gravity;
   Layout layout = layoutOf(model);
@@ -117,7 +117,8 @@ Scene assemble(const Model& model, Report& report) {
   addJoints(model, layout, scene, report);
   addFilters(model, layout, scene, report);
   addObjects(model, layout, scene, report);
-  return scene;
+  out.appearance.looks = looksOf(model, layout);
+  out.sensors = sensorsOf(model, layout, report);
 }
 
 }  // namespace rubble::convert

@@ -70,6 +70,7 @@ class BodyBuilder {
   void addParts(int i, Parts& colliding, Parts& visual) {
     for (const Geom& geom : link(i).geoms) {
       if (!traitsOf(geom.shape.type).isConvex) {
+        if (!geom.contact.any()) continue;
         report_.note(Effect::Lost, geom.place, "geom" + inQuotes(geom.name),
                      std::string("a ") + keyword(geom.shape.type) + " is possible on static bodies only");
         continue;
@@ -159,7 +160,8 @@ class BodyBuilder {
     std::string became;
     for (const Geom& geom : own.geoms) {
       if (!geom.contact.any()) {
-        report_.note(Effect::None, geom.place, "geom" + inQuotes(geom.name), "nothing collides with it");
+        report_.note(Effect::None, geom.place, "geom" + inQuotes(geom.name),
+                     "nothing collides with it: it is in pictures alone");
         continue;
       }
       BodyDef body;

@@ -3,6 +3,7 @@
 /// exact.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "convert/assemble.h"
 #include "convert/rotations.h"
@@ -74,6 +75,16 @@ class SixDof {
     return joint_;
   }
 
+  /// Axis and sign of each degree of freedom; -1: none.
+  std::vector<std::pair<int, double>> axes() const {
+    std::vector<std::pair<int, double>> out;
+    for (const Dof& dof : link_.dofs) {
+      const auto found = axes_.find(&dof);
+      out.push_back(found == axes_.end() ? std::pair(-1, 1.) : found->second);
+    }
+    return out;
+  }
+
   bool swapped = false;
   Vec3 anchor;  ///< in the frame of the link [m]
   Quat frame;   ///< joint -> link
@@ -105,6 +116,11 @@ class SixDof {
     if (!chooseZ({0, 0, 1})) chooseZ({1, 0, 0});
   }
 
+  void setAxis(int axis, const Dof& dof, double sign) {
+    joint_.axes[static_cast<std::size_t>(axis)] = axisOf(dof, sign);
+    axes_[&dof] = {axis, sign};
+  }
+
   void addBall() {
     x_ = {1, 0, 0}, y_ = {0, 1, 0}, z_ = {0, 0, 1};
     for (std::size_t i = 3; i < 6; ++i) joint_.axes[i] = {};
@@ -127,7 +143,7 @@ class SixDof {
       return;
     }
     x_ = turns_.back()->axis;
-    joint_.axes[3] = axisOf(*turns_.back(), sign_);
+    setAxis(3, *turns_.back(), sign_);
     if (count == 1) {
       chooseAnyZ();
       return;
@@ -138,12 +154,12 @@ class SixDof {
       chooseAnyZ();
       return;
     }
-    joint_.axes[5] = axisOf(outer, sign_);
+    setAxis(5, outer, sign_);
     bool orthogonal = std::fabs(dot(outer.axis, x_)) < kAligned;
     if (count == 3) {
       const Dof& middle = *turns_[1];
       const double along = dot(middle.axis, y_);
-      joint_.axes[4] = axisOf(middle, along < 0 ? -sign_ : sign_);
+      setAxis(4, middle, along < 0 ? -sign_ : sign_);
       orthogonal = orthogonal && std::fabs(along) > 1 - kAligned;
       const bool plain = std::all_of(turns_.begin(), turns_.end(), [](const Dof* dof) {
         return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) &&
@@ -178,7 +194,7 @@ class SixDof {
         report_.note(Effect::Approximate, slide->place, "joint.axis",
                      "a slide that is not along or across the other axes of its body is turned to the "
                      "nearest of them");
-      joint_.axes[static_cast<std::size_t>(best)] = axisOf(*slide, along < 0 ? -sign_ : sign_);
+      setAxis(best, *slide, along < 0 ? -sign_ : sign_);
     }
   }
 
@@ -203,6 +219,7 @@ class SixDof {
   Report& report_;
   std::vector<const Dof*> slides_, turns_;
   double sign_ = 1;
+  std::map<const Dof*, std::pair<int, double>> axes_;
   JointDef joint_;
   Vec3 x_, y_, z_;
 };
@@ -235,12 +252,15 @@ TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
   Vec3 anchor = first.anchor;
   Quat frame;
   bool swapped = false;
+  std::vector<std::pair<int, double>> axes{{0, 1}};
   if (link.dofs.size() > 1) {
     SixDof builder(link, report);
     joint = builder.build();
     anchor = builder.anchor, frame = builder.frame, swapped = builder.swapped;
+    axes = builder.axes();
   } else if (first.type == DofType::Ball) {
     joint = ballOf(first, report);
+    axes.front().first = -1;
   } else {
     joint.type = first.type == DofType::Hinge ? JointType::Hinge : JointType::Slider;
     joint.axes[0] = axisOf(first, 1);
@@ -250,7 +270,7 @@ TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
   joint.anchorA = anchor, joint.frameA = frame;
   joint.anchorB = inParentBody * anchor, joint.frameB = normalize(inParentBody.q * frame);
   if (swapped) std::swap(joint.anchorA, joint.anchorB), std::swap(joint.frameA, joint.frameB);
-  return {std::move(joint), !swapped};
+  return {std::move(joint), !swapped, std::move(axes)};
 }
 
 }  // namespace rubble::convert

@@ -13,8 +13,10 @@ std::string nameOf(const Link& link) {
 
 class JointBuilder {
  public:
-  JointBuilder(const Model& model, const Layout& layout, Scene& scene, Report& report)
-      : model_(model), layout_(layout), scene_(scene), report_(report), jointOf_(model.links.size(), -1) {}
+  JointBuilder(const Model& model, Layout& layout, Scene& scene, Report& report)
+      : model_(model), layout_(layout), scene_(scene), report_(report) {
+    layout_.jointOf.assign(model.links.size(), -1);
+  }
 
   void build() {
     for (std::size_t i = 0; i < model_.links.size(); ++i)
@@ -23,7 +25,10 @@ class JointBuilder {
     for (const Coupling& coupling : model_.couplings) addCoupling(coupling);
     for (const FreeJoint& joint : model_.joints) addFree(joint);
     for (const Tendon& tendon : model_.tendons) {
-      auto joint = tendonOf(model_, layout_, tendon, report_);
+      double zero = 0;
+      auto joint = tendonOf(model_, layout_, tendon, zero, report_);
+      const int index = joint ? static_cast<int>(scene_.joints.size()) : -1;
+      layout_.axisOfTendon.push_back({index, 0, 1, zero});
       if (joint) add(std::move(*joint), tendon.place, "tendon", tendon.name);
     }
   }
@@ -31,12 +36,16 @@ class JointBuilder {
  private:
   void addTree(std::size_t i) {
     const Link& link = model_.links[i];
-    auto [joint, childIsA] = jointOf(link, poseInBody(layout_, link.parent) * link.pose, report_);
+    auto [joint, childIsA, axes] = jointOf(link, poseInBody(layout_, link.parent) * link.pose, report_);
     const int child = bodyIndex(layout_, static_cast<int>(i)), parent = bodyIndex(layout_, link.parent);
     joint.bodyA = childIsA ? child : parent, joint.bodyB = childIsA ? parent : child;
     joint.name = names_.unique(nameOf(link));
     joint.collide = model_.parentsCollide;
-    jointOf_[i] = static_cast<int>(scene_.joints.size());
+    layout_.jointOf[i] = static_cast<int>(scene_.joints.size());
+    for (std::size_t k = 0; k < axes.size(); ++k)
+      if (axes[k].first >= 0)
+        layout_.axisOf[{static_cast<int>(i), static_cast<int>(k)}] = {layout_.jointOf[i], axes[k].first,
+                                                                      axes[k].second, link.dofs[k].reference};
     for (const Dof& dof : link.dofs)
       report_.converted(dof.place, "joint" + inQuotes(dof.name), keyword(joint.type) + inQuotes(joint.name));
     scene_.joints.push_back(std::move(joint));
@@ -108,7 +117,7 @@ class JointBuilder {
   void addCoupling(const Coupling& coupling) {
     const auto single = [&](const std::pair<int, int>& dof) {
       const auto link = static_cast<std::size_t>(dof.first);
-      return model_.links[link].dofs.size() == 1 ? jointOf_[link] : -1;
+      return model_.links[link].dofs.size() == 1 ? layout_.jointOf[link] : -1;
     };
     const int a = single(coupling.dofA), b = single(coupling.dofB);
     if (a < 0 || b < 0)
@@ -146,16 +155,15 @@ class JointBuilder {
   }
 
   const Model& model_;
-  const Layout& layout_;
+  Layout& layout_;
   Scene& scene_;
   Report& report_;
-  std::vector<int> jointOf_;  ///< of each link: index of its joint
   Names names_;
 };
 
 }  // namespace
 
-void addJoints(const Model& model, const Layout& layout, Scene& scene, Report& report) {
+void addJoints(const Model& model, Layout& layout, Scene& scene, Report& report) {
   JointBuilder(model, layout, scene, report).build();
 }
 

@@ -180,7 +180,7 @@ double startOf(const Layout& layout, const Tendon::Motion& motion) {
 
 }  // namespace
 
-std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Tendon& tendon,
+std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Tendon& tendon, double& zero,
                                  Report& report) {
   TendonBuilder builder(model, layout);
   const auto lose = [&](const std::string& why) {
@@ -210,6 +210,7 @@ std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const
   JointDef joint;
   if (const std::string why = builder.build(joint); !why.empty()) return lose(why);
   joint.axes[0] = axisOf(tendon, 1, start);
+  zero = start;
   return joint;
 }
 

@@ -69,6 +69,28 @@ TriangleMesh hullOf(const std::vector<Vec3>& points, const std::string& path) {
   return out;
 }
 
+std::optional<Shape> drawnMesh(TriangleMesh mesh) {
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    const Vec3 a = corner(mesh, t, 0);
+    return !(length(cross(corner(mesh, t, 1) - a, corner(mesh, t, 2) - a)) > 0);
+  });
+  if (mesh.triangles.empty()) return std::nullopt;
+  Shape shape = Shape::mesh(std::move(mesh.vertices), std::move(mesh.triangles));
+  try {
+    validate(shape, "mesh");
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  return shape;
+}
+
+Shape drawnEllipsoid(const Vec3& halfAxes) {
+  constexpr int kSegments = 32;
+  ShapeMesh ball = shapeMesh(Shape::sphere(1), kSegments);
+  for (Vec3& point : ball.points) point = mul(point, halfAxes);
+  return Shape::mesh(std::move(ball.points), std::move(ball.triangles));
+}
+
 Shape ellipsoidHull(const Vec3& halfAxes) {
   std::vector<Vec3> points = directions(static_cast<int>(kMostCorners) - 6);
   for (Vec3& point : points) point = mul(point, halfAxes);

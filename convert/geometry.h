@@ -1,5 +1,6 @@
 #pragma once
 /// Meshes of models: convex hulls for collision, and mass properties.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ SolidSums massOf(const TriangleMesh& mesh, MeshMass kind, const std::string& pat
 
 /// The convex hull as triangles. Throws Error at `path` if the points lie in one plane.
 TriangleMesh hullOf(const std::vector<Vec3>& points, const std::string& path);
+
+/// The mesh as a shape of pictures; nothing if it has no triangles, or cannot be one.
+std::optional<Shape> drawnMesh(TriangleMesh mesh);
+/// The surface of an ellipsoid with these half axes, for pictures.
+Shape drawnEllipsoid(const Vec3& halfAxes);
 
 /// Convex hull of points of an ellipsoid with these half axes.
 Shape ellipsoidHull(const Vec3& halfAxes);

@@ -131,10 +131,14 @@ std::vector<double> GltfFile::numbers(const GltfJson& index, std::size_t compone
   return out;
 }
 
-TriangleMesh GltfFile::mesh(const GltfJson& index, const std::string& who, Folders& folders) {
+TriangleMesh GltfFile::mesh(const GltfJson& index, const std::string& who, Folders& folders,
+                            std::optional<std::size_t> primitive) {
   TriangleMesh out;
   const GltfJson& mesh = entry(child(json_, "meshes"), index, who);
+  std::size_t number = 0;
   for (const GltfJson& part : child(mesh, "primitives")) {
+    const std::size_t own = number++;
+    if (own != primitive.value_or(own)) continue;
     constexpr std::size_t kTriangles = 4;
     if (whole(part, "mode", kTriangles, who) != kTriangles) continue;
     const auto first = static_cast<int>(out.vertices.size());

@@ -1,5 +1,6 @@
 #pragma once
 /// A glTF file as JSON with its buffers.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,9 @@ class GltfFile {
   /// Entry of a list of the root, or of an extension of it; throws Error at `who`.
   const GltfJson& entry(const GltfJson& list, const GltfJson& index, const std::string& who) const;
   static const GltfJson& child(const GltfJson& object, const char* key);
-  /// Triangles of all primitives of a mesh. Throws Error.
-  TriangleMesh mesh(const GltfJson& index, const std::string& who, Folders& folders);
+  /// Triangles of all primitives of a mesh, or of one of them. Throws Error.
+  TriangleMesh mesh(const GltfJson& index, const std::string& who, Folders& folders,
+                    std::optional<std::size_t> primitive = {});
 
  private:
   const std::string& buffer(std::size_t index, const std::string& who, Folders& folders);

@@ -6,7 +6,9 @@
 
 #include <rubble/error.h>
 
+#include "convert/colors.h"
 #include "convert/free_model.h"
+#include "convert/geometry.h"
 #include "convert/gltf.h"
 #include "convert/gltf_file.h"
 #include "convert/rotations.h"
@@ -111,6 +113,8 @@ class PhysicsReader {
       throw Error(where(static_cast<std::size_t>(lost - seen_.begin())), "a tree of nodes", "a cycle");
     for (std::size_t i = 0; i < count; ++i)
       if (seen_[i]) addCollider(i);
+    for (std::size_t i = 0; i < count; ++i)
+      if (seen_[i]) addDrawn(i);
     finishMasses();
     for (std::size_t i = 0; i < count; ++i)
       if (seen_[i]) addJoint(i);
@@ -282,6 +286,39 @@ class PhysicsReader {
                  solids_[static_cast<std::size_t>(index)], report_))
       report_.converted(like.place, "collider" + inQuotes(like.name),
                         index == 0 ? "static shape" : "shape of body" + inQuotes(link.name));
+  }
+
+  /// What is seen of a node: each part of its mesh in the color of its material.
+  void addDrawn(std::size_t i) {
+    const GltfJson& index = GltfFile::child((*nodes_)[i], "mesh");
+    if (index.is_null()) return;
+    const std::string who = where(i) + ".mesh";
+    try {
+      addDrawn(i, index, who);
+    } catch (const Error& error) {
+      report_.note(Effect::None, {where(i), 0}, "mesh" + inQuotes(nameOf(i)), error.what());
+    }
+  }
+  void addDrawn(std::size_t i, const GltfJson& index, const std::string& who) {
+    const GltfJson& parts = GltfFile::child(file_.entry(GltfFile::child(file_.json(), "meshes"), index, who),
+                                            "primitives");
+    Link& link = model_.links[static_cast<std::size_t>(std::max(linkOf_[i], 0))];
+    const Affine toLink = Affine::of(inverse(link.pose)) * frameOf_[i];
+    for (std::size_t k = 0; parts.is_array() && k < parts.size(); ++k) {
+      TriangleMesh mesh = file_.mesh(index, who, folders_, k);
+      for (Vec3& point : mesh.vertices) point = toLink * point;
+      if (std::optional<Shape> shape = drawnMesh(std::move(mesh)))
+        link.drawn.push_back(
+            {std::move(*shape), {}, colorOf(GltfFile::child(parts[k], "material"), who), -1});
+    }
+  }
+
+  std::optional<Vec3> colorOf(const GltfJson& material, const std::string& who) {
+    if (material.is_null()) return std::nullopt;
+    const GltfJson& own = file_.entry(GltfFile::child(file_.json(), "materials"), material, who);
+    Reader surface(GltfFile::child(own, "pbrMetallicRoughness"), who, report_);
+    const std::vector<double> color = surface.numbers("baseColorFactor", {1, 1, 1, 1});
+    return srgbOf({color[0], color[1], color[2]});
   }
 
   bool implicitShape(const GltfJson& index, FreeShape& out) {

@@ -9,6 +9,7 @@
 #include "convert/assemble.h"
 #include "convert/gltf.h"
 #include "convert/mjcf.h"
+#include "convert/names.h"
 #include "convert/urdf.h"
 #include "convert/usd_reader.h"
 
@@ -35,23 +36,33 @@ Model modelOf(const std::string& bytes, const std::string& file, bool isUsd, Fol
   return isUsd ? readUsd(bytes, file, folders, report) : readGltf(bytes, file, folders, report);
 }
 
-/// It looks at the plane, square to its direction, that the middle of the bodies is in.
-io::FileCamera cameraOf(const Pose& pose, const Scene& scene) {
-  const Vec3 ahead = rotate(pose.q, Vec3{0, 0, -1});
+/// They look at the planes, square to their directions, that the middle of the bodies is in.
+void addCameras(const Model& model, io::SceneFile& file) {
   Vec3 middle;
-  for (const BodyDef& body : scene.bodies) middle += body.position / static_cast<double>(scene.bodies.size());
-  return {pose.p, pose.p + std::max(dot(middle - pose.p, ahead), 1.) * ahead};
+  for (const BodyDef& body : file.scene.bodies)
+    middle += body.position / static_cast<double>(file.scene.bodies.size());
+  Names names;
+  for (const ModelCamera& camera : model.cameras) {
+    const Vec3 ahead = rotate(camera.pose.q, Vec3{0, 0, -1}), eye = camera.pose.p;
+    file.appearance.cameras.push_back({names.unique(camera.name.empty() ? "camera" : camera.name), eye,
+                                       eye + std::max(dot(middle - eye, ahead), 1.) * ahead,
+                                       camera.fieldOfView});
+  }
+  if (model.cameras.empty()) return;
+  const NamedCamera& first = file.appearance.cameras.front();
+  file.camera = {first.eye, first.target};
 }
 
 Import finished(const Model& model, Report report) {
   Import out;
   out.report = std::move(report);
-  out.file.scene = assemble(model, out.report);
+  assemble(model, out.file, out.report);
   out.file.scene.description = "imported from " + std::filesystem::path(out.report.file).filename().string();
   out.file.dt = model.timeStep.value_or(kDt);
   out.file.steps = static_cast<int>(std::clamp(std::ceil(kSeconds / out.file.dt - 1e-9), 1., 1e7));
   out.file.iterations = kIterations;
-  if (model.camera) out.file.camera = cameraOf(*model.camera, out.file.scene);
+  addCameras(model, out.file);
+  out.file.appearance.toSun = model.toSun;
   validate(out.file.scene);
   return out;
 }

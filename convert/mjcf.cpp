@@ -23,7 +23,7 @@ Model MjcfReader::read(pugi::xml_node root) {
   for (std::size_t i = 0; i < model_.links.size(); ++i)
     finishMass(model_.links[i], hasInertial_[i], geomMass_[i]);
   scaleTotalMass();
-  finishCamera();
+  finishViews();
   finishSpringDampers();
   each("tendon", [&](pugi::xml_node node) {
     for (const pugi::xml_node& child : source_.children(node)) readTendon(tagOfKind(child, "tendon"));
@@ -36,6 +36,9 @@ Model MjcfReader::read(pugi::xml_node root) {
     throw Error("--key", "the name or index of a keyframe of the model", "\"" + options_.key + "\"");
   each("actuator", [&](pugi::xml_node node) {
     for (const pugi::xml_node& child : source_.children(node)) readActuator(actuatorOf(child));
+  });
+  each("sensor", [&](pugi::xml_node node) {
+    for (const pugi::xml_node& child : source_.children(node)) readSensor(Tag(source_, child));
   });
   return std::move(model_);
 }

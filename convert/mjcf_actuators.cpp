@@ -97,6 +97,7 @@ std::optional<MjcfTarget> MjcfReader::targetOf(const Tag& tag) {
     out.coordinate = &own, out.what = "tendon" + inQuotes(name), out.length = out.gear * lengthInFile(own);
     out.moments = momentsOf(own);
     for (auto& moment : out.moments) moment.second *= out.gear;
+    out.tendon = static_cast<int>(found->second);
     return out;
   }
   if (tag.has("site")) return targetOfSite(tag);
@@ -114,6 +115,7 @@ std::optional<MjcfTarget> MjcfReader::targetOf(const Tag& tag) {
   if (own.type == DofType::Ball) return targetOfTurns(tag, found->second.first, joint[5] != '\0');
   out.coordinate = &own, out.moments = {{found->second, out.gear}}, out.what = "joint" + inQuotes(own.name);
   out.length = out.gear * (own.reference + own.start);
+  out.dof = found->second;
   if (const auto limit = actuatorForce_.find(found->second); limit != actuatorForce_.end())
     out.most = limit->second;
   return out;
@@ -146,6 +148,12 @@ void MjcfReader::readActuator(const Tag& tag) {
   const auto target = targetOf(tag);
   if (!target) return tag.useAll();
   const double gear = target->gear, square = gear * gear;
+  if (const std::pair key{target->dof, target->tendon}; key.first.first >= 0 || key.second >= 0) {
+    const DofDrive& before = target->coordinate->drive;
+    const bool hasSpring = before.stiffness > 0 && !drivenCoordinates_.contains(key);
+    if (!drivenCoordinates_.insert(key).second) sharedCoordinates_.insert(key);
+    if (gear != 0) actuatorByName_[tag.name()] = {target->dof, target->tendon, gear, hasSpring};
+  }
   const double control = controlOf(tag, index);
   std::optional<Law> law = lawOf(tag, control, activated < activations_.size() ? activations_[activated] : 0,
                                  *target);

@@ -1,4 +1,4 @@
-/// <asset>: meshes and height fields.
+/// <asset>: meshes, height fields and models.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -59,6 +59,8 @@ void MjcfReader::readAssets(pugi::xml_node node) {
     const std::string_view type = child.name();
     if (type == "mesh") readMesh(tagOf(child));
     if (type == "hfield") readHeightField(tagOf(child));
+    if (type == "texture") readTexture(tagOf(child));
+    if (type == "material") readMaterial(tagOf(child));
     if (type == "model") readModel(Tag(source_, child));
   }
 }
@@ -124,6 +126,8 @@ void MjcfReader::readMesh(const Tag& tag) {
   if (mesh.triangles.empty()) mesh = hullOf(mesh.vertices, tag.path("vertex"));
   asset.mass = static_cast<MeshMass>(tag.choice("inertia", {"exact", "legacy", "convex", "shell"},
                                                 static_cast<std::size_t>(compiler_.meshMass)));
+  asset.drawn = drawnMesh(mesh);
+  asset.material = tag.text("material").value_or("");
   meshes_.emplace(name, std::move(asset));
 }
 

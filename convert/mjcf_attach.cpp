@@ -1,4 +1,5 @@
 /// <attach>: bodies of another MJCF file, with what joins them, under a prefix.
+#include <algorithm>
 #include <map>
 
 #include <rubble/error.h>
@@ -9,6 +10,10 @@ namespace rubble::convert {
 namespace {
 
 constexpr int kMostLevels = 8;
+
+/// The name of something that an attached model has.
+std::string& nameOf(auto& each) { return each.name; }
+std::string& nameOf(SoftObject& each) { return common(each.object).name; }
 
 }  // namespace
 
@@ -44,6 +49,11 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
       geom.pose = scope.pose * geom.pose;
       geom.name = named(geom.name);
       link(scope.link).geoms.push_back(std::move(geom));
+    }
+    for (DrawnShape& drawn : part.links[0].drawn) {
+      drawn.pose = scope.pose * drawn.pose;
+      if (drawn.geom >= 0) drawn.geom += firstGeom;
+      link(scope.link).drawn.push_back(std::move(drawn));
     }
     geomMass_[static_cast<std::size_t>(scope.link)] += placed(part.links[0].mass, scope.pose.p, scope.pose.q,
                                                               1);
@@ -101,23 +111,24 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
     if (std::pair<int, int> own = dof; moveDof(own)) springRest_[own] = rest;
   for (const auto& [dof, most] : reader.actuatorForce_)
     if (std::pair<int, int> own = dof; moveDof(own)) actuatorForce_[own] = most;
-  if (std::optional<MjcfCamera>& own = reader.camera_) {
-    if (camera_)
-      report_.note(Effect::None, own->place, own->what, "a further camera; the scene has one");
-    else if (moveFrame(*own) && (own->target.empty() || moveBody(own->targetLink)))
-      camera_ = own;
+  for (MjcfCamera& own : reader.cameras_) {
+    own.name = named(own.name);
+    if (moveFrame(own) && (own.target.empty() || moveBody(own.targetLink)))
+      cameras_.push_back(own);
     else
-      report_.note(Effect::None, own->place, own->what, "its bodies are not all attached");
+      report_.note(Effect::None, own.place, "camera" + inQuotes(own.name), "its bodies are not all attached");
   }
+  if (!sun_ && reader.sun_ && moveFrame(*reader.sun_)) sun_ = reader.sun_;
 
   // what joins links of the part, if all of them are taken over
   const auto takeOver = [&](auto& from, auto& to, const std::string& what, const auto& move) {
     for (auto& each : from) {
       if (!move(each)) {
-        report_.note(Effect::Lost, each.place, what + inQuotes(each.name), "its bodies are not all attached");
+        report_.note(Effect::Lost, each.place, what + inQuotes(nameOf(each)),
+                     "its bodies are not all attached");
         continue;
       }
-      each.name = named(each.name);
+      nameOf(each) = named(nameOf(each));
       to.push_back(std::move(each));
     }
   };
@@ -165,8 +176,21 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
            [&](GeomPair& pair) { return moveGeom(pair.geomA) && moveGeom(pair.geomB); });
   for (std::pair<int, int> each : part.exclusions)
     if (moveBody(each.first) && moveBody(each.second)) model_.exclusions.push_back(each);
-  for (const SoftObject& object : part.objects)
-    report_.note(Effect::Lost, object.place, "flexcomp", "a flexible object of an attached model");
+  for (const ModelSensor& sensor : part.sensors)
+    report_.note(Effect::None, sensor.place, sensor.what, "a sensor of an attached model");
+  // vertices are in the world of the part
+  const Pose partInWorld = referencePose(scope.link) * scope.pose;
+  takeOver(part.objects, model_.objects, "flexcomp", [&](SoftObject& object) {
+    if (!moveLink(object.link)) return false;
+    bool whole = true;
+    for (auto& [vertex, held] : object.pins) {
+      int at = std::max(held, 0);
+      whole = moveLink(at) && whole;
+      held = at == 0 ? -1 : at;
+    }
+    for (Vec3& vertex : common(object.object).vertices) vertex = partInWorld * vertex;
+    return whole;
+  });
   report_.converted(tag.place(), "attach" + inQuotes(name),
                     std::to_string(taken.size() - taken.count(0)) + " bodies");
 }

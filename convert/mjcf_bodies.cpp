@@ -44,12 +44,13 @@ void MjcfReader::readChildren(pugi::xml_node node, const MjcfScope& scope) {
     if (type == "joint") readJoint(tagOf(child, scope.childClass), scope);
     if (type == "freejoint") readJoint(Tag(source_, child), scope);
     if (type == "attach") readAttach(Tag(source_, child), scope);
-    if (type == "camera" && !camera_) readCamera(tagOf(child, scope.childClass), scope);
+    if (type == "camera") readCamera(tagOf(child, scope.childClass), scope);
+    if (type == "light") readLight(tagOf(child, scope.childClass), scope);
     if (type == "flexcomp") readFlexcomp(Tag(source_, child), scope);
     if (type == "site") {
       const Tag tag = tagOf(child, scope.childClass);
       if (const std::string name = tag.name(); !name.empty())
-        sites_[name + scope.suffix] = {scope.link, scope.pose * poseOf(tag)};
+        sites_[name + scope.suffix] = {scope.link, scope.pose * poseOf(tag), siteVolume(tag)};
     }
   }
 }
@@ -121,39 +122,6 @@ void MjcfReader::readInertial(const Tag& tag, const MjcfScope& scope) {
     tag.fail("diaginertia", "a diagonal or full inertia", "none");
   model_.links[at].mass = placed(sumsOfTensor(mass, tensor), pose.p, pose.q, 1);
   hasInertial_[at] = true;
-}
-
-void MjcfReader::readCamera(const Tag& tag, const MjcfScope& scope) {
-  const std::size_t mode = tag.choice("mode", {"fixed", "track", "trackcom", "targetbody", "targetbodycom"},
-                                      0);
-  if (mode > 0) report_.note(Effect::None, tag.place(), "camera.mode", "the camera does not move");
-  camera_ = {scope.link, scope.pose * poseOf(tag), "", -1, tag.place(), tag.describe()};
-  if (mode >= 3) camera_->target = tag.need("target") + scope.suffix;
-}
-
-void MjcfReader::finishCamera() {
-  if (!camera_) return;
-  if (!camera_->target.empty() && camera_->targetLink < 0) {
-    const auto found = linkByName_.find(camera_->target);
-    if (found == linkByName_.end()) {
-      report_.note(Effect::None, camera_->place, camera_->what, "the body that it looks at is not there");
-      return camera_.reset();
-    }
-    camera_->targetLink = found->second;
-  }
-  if (level_ > 0) return;
-  Pose pose = referencePose(camera_->link) * camera_->pose;
-  if (camera_->targetLink >= 0) {
-    const Vec3 back = pose.p - referencePose(camera_->targetLink).p, right = cross(Vec3{0, 0, 1}, back);
-    if (length(right) > 1e-9 * length(back)) {
-      const Vec3 x = normalize(right), z = normalize(back);
-      pose.q = quatOfAxes(x, cross(z, x), z);
-    } else if (length(back) > 0) {
-      pose.q = quatOfZ(back);
-    }
-  }
-  model_.camera = pose;
-  report_.converted(camera_->place, camera_->what, "camera");
 }
 
 void MjcfReader::finishMass(Link& own, bool hasInertial, const SolidSums& ofGeoms) {

@@ -28,6 +28,7 @@ void MjcfReader::readCompiler(pugi::xml_node node) {
   compiler_.stripPath = tag.flag("strippath", compiler_.stripPath);
   compiler_.assetFolder = tag.text("assetdir").value_or(compiler_.assetFolder);
   compiler_.meshFolder = tag.text("meshdir").value_or(compiler_.meshFolder);
+  compiler_.textureFolder = tag.text("texturedir").value_or(compiler_.textureFolder);
   if (tag.flag("exactmeshinertia", false)) compiler_.meshMass = MeshMass::Exact;
   if (tag.choice("coordinate", {"local", "global"}, 0) == 1)
     tag.fail("coordinate", "local (MuJoCo has removed global coordinates)", "global");

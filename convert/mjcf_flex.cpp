@@ -188,7 +188,7 @@ void MjcfReader::readFlexcomp(const Tag& tag, const MjcfScope& scope) {
                  "an object without elasticity has a Young's modulus of " + std::to_string(young) + " Pa");
   }
   SoftObject out;
-  out.place = tag.place();
+  out.place = tag.place(), out.link = scope.link;
   for (const int pin : pins) out.pins.emplace_back(pin, scope.link == 0 ? -1 : scope.link);
   double size = 0;
   if (dimension == 1) {

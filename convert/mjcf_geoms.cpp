@@ -81,8 +81,12 @@ void MjcfReader::readGeom(const Tag& tag, const MjcfScope& scope) {
   const std::string type = kTypes[tag.choice("type", kTypes, 2)];
   geom.pose = poseOf(tag);
   SolidSums solid;
-  if (!shapeOf(tag, type, geom, solid)) return;
+  std::optional<Shape> drawn;
+  const bool isThere = shapeOf(tag, type, geom, solid, drawn);
   geom.pose = scope.pose * geom.pose;
+  const int index = isThere ? static_cast<int>(link(scope.link).geoms.size()) : -1;
+  if (isThere || drawn) addDrawn(tag, scope, {drawn.value_or(geom.shape), geom.pose, {}, index});
+  if (!isThere) return;
   if (!geom.name.empty() && (type == "sphere" || type == "cylinder"))
     rounds_[geom.name] = {scope.link, geom.pose, geom.shape.radius, type == "cylinder"};
   const double group = tag.number("group", 0);
@@ -98,7 +102,7 @@ void MjcfReader::readGeom(const Tag& tag, const MjcfScope& scope) {
     const double factor = mass ? *mass / solid.volume : density;
     geomMass_[static_cast<std::size_t>(scope.link)] += placed(solid, geom.pose.p, geom.pose.q, factor);
   }
-  if (!geom.name.empty()) geoms_[geom.name] = {scope.link, static_cast<int>(link(scope.link).geoms.size())};
+  if (!geom.name.empty()) geoms_[geom.name] = {scope.link, index};
   link(scope.link).geoms.push_back(std::move(geom));
 }
 
@@ -119,13 +123,17 @@ Material MjcfReader::materialOf(const Tag& tag) {
   return out;
 }
 
-bool MjcfReader::shapeOf(const Tag& tag, const std::string& type, Geom& geom, SolidSums& solid) {
+bool MjcfReader::shapeOf(const Tag& tag, const std::string& type, Geom& geom, SolidSums& solid,
+                         std::optional<Shape>& drawn) {
   if (type == "plane") {
     geom.shape = Shape::plane();
     return true;
   }
   if (type == "hfield") return fieldShape(tag, geom);
-  if (type == "mesh" || (type == "sdf" && tag.has("mesh"))) return meshShape(tag, geom, solid);
+  if (type == "mesh" || (type == "sdf" && tag.has("mesh"))) {
+    if (const MjcfMesh* const mesh = meshOf(tag)) drawn = mesh->drawn;
+    return meshShape(tag, geom, solid);
+  }
   if (type == "sdf") {
     report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
                  "a signed distance function of a plugin");
@@ -141,6 +149,7 @@ bool MjcfReader::shapeOf(const Tag& tag, const std::string& type, Geom& geom, So
   const Vec3 s = positive(tag, size, type == "sphere" ? 1 : type == "capsule" || type == "cylinder" ? 2 : 3);
   if (type == "ellipsoid") {
     geom.shape = ellipsoidHull(s);
+    drawn = drawnEllipsoid(s);
     solid = sumsOf(ellipsoidMass(s));
     report_.note(
         Effect::Approximate, tag.place(), "geom.type",
@@ -156,8 +165,7 @@ bool MjcfReader::shapeOf(const Tag& tag, const std::string& type, Geom& geom, So
 }
 
 std::vector<double> MjcfReader::fittedSize(const Tag& tag, const std::string& type, Pose& pose) {
-  const auto found = meshes_.find(tag.need("mesh"));
-  const MjcfMesh* const asset = found == meshes_.end() ? nullptr : &found->second;
+  const MjcfMesh* const asset = meshOf(tag);
   const SolidSums sums = asset ? massOf(asset->mesh, asset->mass, tag.path("mesh")) : SolidSums{};
   if (!(sums.volume > 0)) {
     report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(tag.name()),
@@ -185,15 +193,20 @@ std::vector<double> MjcfReader::fittedSize(const Tag& tag, const std::string& ty
   return {scale * edge[0].first, scale * edge[1].first, along};
 }
 
+const MjcfMesh* MjcfReader::meshOf(const Tag& tag) const {
+  const auto found = meshes_.find(tag.text("mesh").value_or(""));
+  return found == meshes_.end() ? nullptr : &found->second;
+}
+
 bool MjcfReader::meshShape(const Tag& tag, Geom& geom, SolidSums& solid) {
   const std::string name = tag.need("mesh");
-  const auto found = meshes_.find(name);
-  if (found == meshes_.end()) {
+  const MjcfMesh* const found = meshOf(tag);
+  if (!found) {
     report_.note(Effect::Lost, tag.place(), "geom" + inQuotes(geom.name),
                  "the mesh '" + name + "' is not there");
     return false;
   }
-  const MjcfMesh& asset = found->second;
+  const MjcfMesh& asset = *found;
   solid = massOf(asset.mesh, asset.mass, tag.path("mesh"));
   if (!(solid.volume > 0)) {
     const bool hasMass = tag.number("mass").value_or(tag.number("density", 1)) > 0;

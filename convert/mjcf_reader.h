@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,7 @@ struct MjcfCompiler {
   double boundMass = 0, boundInertia = 0;  ///< [kg], [kg m2]
   double totalMass = -1;                   ///< not positive: as it is [kg]
   bool stripPath = false;
-  std::string meshFolder, assetFolder;
+  std::string meshFolder, textureFolder, assetFolder;
   MeshMass meshMass = MeshMass::Legacy;  ///< of meshes that do not say
   std::vector<double> actuatorsOff;      ///< groups of actuators that are disabled
   bool clampsControls = true;
@@ -43,6 +44,14 @@ struct MjcfMesh {
   TriangleMesh mesh;
   MeshMass mass = MeshMass::Legacy;
   Place place;
+  std::optional<Shape> drawn;
+  std::string material;  ///< of geoms that have none; "": none
+};
+
+/// Color and texture of a surface (mjcf_looks.cpp).
+struct MjcfMaterial {
+  std::array<double, 4> color{1, 1, 1, 1};  ///< red, green, blue, opacity
+  std::string texture;                      ///< "": none
 };
 
 struct MjcfHeightField {
@@ -54,16 +63,35 @@ struct MjcfHeightField {
 struct MjcfSite {
   int link;
   Pose pose;
+  std::optional<Shape> volume = {};  ///< for touch sensors
 };
 
-/// The camera, which looks along its -z, or at the origin of a link.
+/// What sensors know of an actuator: the coordinate that it acts on, and its gear.
+struct MjcfActuator {
+  std::pair<int, int> dof{-1, -1};
+  int tendon = -1;
+  double gear = 1;
+  bool isShared = false;  ///< something else acted on the coordinate before
+};
+
+/// A camera, which looks along its -z, or at the origin of a link.
 struct MjcfCamera {
+  std::string name;
   int link;
   Pose pose;
+  double fieldOfView;   ///< vertical [rad]
   std::string target;   ///< name of a body; "": none
   int targetLink = -1;  ///< its link, when all are read
   Place place;
-  std::string what;  ///< "camera 'front'"
+};
+
+/// The first light that comes from one direction.
+struct MjcfSun {
+  int link;
+  Pose pose;
+  Vec3 direction;  ///< of its rays, in the frame of `pose`
+  Place place;
+  std::string what;  ///< "light 'sun'"
 };
 
 /// A loop. Where bodies are is known when all models are read: until then it has the numbers of the file.
@@ -93,6 +121,8 @@ struct MjcfTarget {
   bool hasLength = true;        ///< false: its length is always 0
   double most = kHard;          ///< largest force of all actuators of the joint
   std::string what;             ///< "joint 'knee'"
+  std::pair<int, int> dof{-1, -1};
+  int tendon = -1;
 };
 
 /// What surrounds an element of the tree of bodies.
@@ -147,11 +177,18 @@ class MjcfReader {
   void readFrame(const Tag& tag, const MjcfScope& scope);
   void readReplicate(const Tag& tag, const MjcfScope& scope);
   void readInertial(const Tag& tag, const MjcfScope& scope);
-  void readCamera(const Tag& tag, const MjcfScope& scope);
-  /// Finds what the camera looks at, and makes it that of the scene if this model is not attached to another.
-  void finishCamera();
   void finishMass(Link& link, bool hasInertial, const SolidSums& ofGeoms);
   void scaleTotalMass();
+
+  // mjcf_looks.cpp
+  void readTexture(const Tag& tag);
+  void readMaterial(const Tag& tag);
+  /// Adds what is seen of a geom, in its color.
+  void addDrawn(const Tag& tag, const MjcfScope& scope, DrawnShape drawn);
+  void readCamera(const Tag& tag, const MjcfScope& scope);
+  void readLight(const Tag& tag, const MjcfScope& scope);
+  /// Finds what cameras look at, and makes them those of the scene if this model is not attached to another.
+  void finishViews();
 
   // mjcf_attach.cpp
   void readAttach(const Tag& tag, const MjcfScope& scope);
@@ -159,7 +196,10 @@ class MjcfReader {
   // mjcf_geoms.cpp
   void readGeom(const Tag& tag, const MjcfScope& scope);
   /// Integrals at density 1 in the frame of the shape; false if the geom has no shape that can be used.
-  bool shapeOf(const Tag& tag, const std::string& type, Geom& geom, SolidSums& solid);
+  /// `drawn`: in pictures, where that is another one.
+  bool shapeOf(const Tag& tag, const std::string& type, Geom& geom, SolidSums& solid,
+               std::optional<Shape>& drawn);
+  const MjcfMesh* meshOf(const Tag& tag) const;
   bool meshShape(const Tag& tag, Geom& geom, SolidSums& solid);
   /// Size of the primitive that MuJoCo fits to a mesh, and `pose` moved to it; empty if that is not possible.
   std::vector<double> fittedSize(const Tag& tag, const std::string& type, Pose& pose);
@@ -237,6 +277,15 @@ class MjcfReader {
   /// Three numbers of a gear from one on.
   Vec3 gearOf(const Tag& tag, std::size_t first) const;
 
+  // mjcf_sensors.cpp
+  void readSensor(const Tag& tag);
+  /// Of a site, which touch sensors measure in; nothing for shapes that they do not know.
+  static std::optional<Shape> siteVolume(const Tag& site);
+  /// The frame of an object; nothing for types that have none here.
+  std::optional<MjcfSite> frameOf(const Tag& tag, const char* typeKey, const char* nameKey) const;
+  /// What a sensor of a joint, tendon or actuator reads. Returns why that is not possible, or nothing.
+  std::string readCoordinate(const Tag& tag, ModelSensor& out);
+
   // mjcf_keyframes.cpp
   void readKeyframes(pugi::xml_node node);
   void applyKey(const Tag& tag);
@@ -274,8 +323,14 @@ class MjcfReader {
   std::map<std::string, std::pair<int, int>> geoms_;
   std::map<std::string, std::filesystem::path> attached_;  ///< files of <model>
   std::vector<MjcfLoop> loops_;
-  std::optional<MjcfCamera> camera_;  ///< the first one
-  int level_ = 0;                     ///< of attached models
+  std::vector<MjcfCamera> cameras_;
+  std::optional<MjcfSun> sun_;
+  std::map<std::string, MjcfActuator> actuatorByName_;
+  /// Degrees of freedom and tendons that several actuators act on.
+  std::set<std::pair<std::pair<int, int>, int>> sharedCoordinates_, drivenCoordinates_;
+  std::map<std::string, MjcfMaterial> materials_;
+  std::map<std::string, Vec3> textures_;  ///< their mean colors
+  int level_ = 0;                         ///< of attached models
   bool foundKey_ = false;
 };
 

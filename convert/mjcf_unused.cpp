@@ -6,9 +6,9 @@ namespace rubble::convert {
 namespace {
 
 constexpr const char* kLook = "how it looks";
+constexpr const char* kLight = "a further light; pictures have one sun";
 constexpr const char* kSolver = "settings of the solver of MuJoCo";
 constexpr const char* kSoft = "softness of constraints in MuJoCo; here they are hard";
-constexpr const char* kReading = "readings; the state of bodies and joints is in the interface of World";
 
 /// Elements that are not converted, with everything in them.
 const Reasons& elements() {
@@ -17,12 +17,11 @@ const Reasons& elements() {
       {"statistic", {Effect::None, "statistics for the display"}},
       {"size", {Effect::None, "sizes of memory"}},
       {"custom", {Effect::None, "data for users"}},
-      {"camera", {Effect::None, "a further camera; the scene has one"}},
-      {"light", {Effect::None, "a light"}},
+      {"camera", {Effect::None, kLook}},
+      {"light", {Effect::None, kLight}},
       {"texture", {Effect::None, kLook}},
       {"material", {Effect::None, kLook}},
       {"skin", {Effect::None, kLook}},
-      {"sensor", {Effect::None, kReading}},
       {"lengthrange", {Effect::None, "ranges of muscles"}},
       {"deformable", {Effect::Lost, "flexible objects of single bodies; author them as flexcomp"}},
       {"composite", {Effect::Lost, "composite objects"}},
@@ -54,12 +53,9 @@ const Reasons& attributes() {
       {"pair.condim", {Effect::Approximate, "a pair has the friction of its geoms"}},
       {"pair.margin", {Effect::Approximate, "contacts begin where surfaces touch"}},
       {"pair.gap", {Effect::Approximate, "contacts begin where surfaces touch"}},
-      {"site.size", {Effect::None, kLook}},
-      {"site.type", {Effect::None, kLook}},
       {"site.fromto", {Effect::None, kLook}},
       {"spatial.width", {Effect::None, kLook}},
       {"general.dynprm", {Effect::None, "time constants of activations, which stay as they are"}},
-      {"camera.fovy", {Effect::None, "angle of view"}},
       {"camera.target", {Effect::None, "the camera does not move"}},
       {"joint.margin", {Effect::None, "limits act where they are"}},
       {"joint.springyield", {Effect::Lost, "springs that yield"}},
@@ -114,6 +110,8 @@ const Reasons& anywhere() {
       {"actearly", {Effect::None, "when activations act"}},
       {"timeconst", {Effect::None, "time constants of activations, which stay as they are"}},
       {"delay", {Effect::Lost, "delay of a control"}},
+      {"noise", {Effect::None, "readings have no noise"}},
+      {"interval", {Effect::None, "there is a reading for each step"}},
       {"nsample", {Effect::None, "history of a control"}},
       {"interp", {Effect::None, "history of a control"}},
   };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <rubble/scene.h>
+#include <rubble/sensors.h>
 
 #include "convert/report.h"
 #include "cook/solid_mass.h"
@@ -41,6 +42,14 @@ struct Geom {
   Pose pose;  ///< of the shape, in the frame of its link
   Material material;
   Contact contact;
+};
+
+/// A shape of a link in pictures.
+struct DrawnShape {
+  Shape shape;                ///< of any type
+  Pose pose;                  ///< of the shape, in the frame of its link
+  std::optional<Vec3> color;  ///< red, green, blue, 0 to 1 (sRGB)
+  int geom = -1;              ///< index of the geom that it shows; -1: none
 };
 
 /// A drive and passive spring of a coordinate, as sums over springs and actuators.
@@ -101,6 +110,7 @@ struct Link {
   bool kinematic = false;  ///< moves as told
   SolidSums mass;          ///< about the origin of its frame; `volume` is the mass [kg]
   std::vector<Geom> geoms;
+  std::vector<DrawnShape> drawn;  ///< empty: its geoms, in colors of the renderer
   std::vector<Dof> dofs;
   double gravityScale = 1;
   double linearDamping = 0, angularDamping = 0;  ///< as BodyDef [1/s]
@@ -186,8 +196,25 @@ struct Tendon : Coordinate {
 /// A deformable object, with its vertices in the world.
 struct SoftObject {
   Place place;
+  int link = 0;  ///< that it is written in; 0: the world of MJCF
   Deformable object;
   std::vector<std::pair<int, int>> pins;  ///< a vertex, and the link that holds it
+};
+
+/// A sensor. Frames are those of its links; bodies and joints are left to assemble().
+struct ModelSensor {
+  Place place;
+  std::string what;  ///< "gyro 'imu'"
+  SensorDef sensor;
+  int link = -1, reference = -1;    ///< -1: the world
+  std::pair<int, int> dof{-1, -1};  ///< link, index in its dofs; of a joint axis
+  int tendon = -1;                  ///< index of a tendon; of a joint axis
+};
+
+struct ModelCamera {
+  std::string name;
+  Pose pose;                          ///< in the world; it looks along its -z
+  std::optional<double> fieldOfView;  ///< vertical [rad]
 };
 
 struct Model {
@@ -199,7 +226,9 @@ struct Model {
   std::vector<Tendon> tendons;
   std::vector<FreeJoint> joints;
   std::vector<SoftObject> objects;
-  std::optional<Pose> camera;                   ///< in the world; it looks along its -z
+  std::vector<ModelSensor> sensors;
+  std::vector<ModelCamera> cameras;             ///< the first one is that of the scene
+  std::optional<Vec3> toSun;                    ///< unit, world
   std::optional<double> timeStep;               ///< that the model asks for [s]
   std::vector<std::pair<int, int>> exclusions;  ///< pairs of links (-1: the world)
   std::vector<GeomPair> pairs;                  ///< at most 64

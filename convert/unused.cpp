@@ -36,9 +36,9 @@ class Sweep {
       return add(found->second);
     if (const auto found = words_.anywhere.find(key); found != words_.anywhere.end())
       return add(found->second);
-    // elements of this kind are not converted, so their defaults do not matter by themselves
-    if (inDefaults && words_.elements.contains(type))
-      return add({Effect::None, words_.elements.at(type).why});
+    // what is left of elements of these kinds, and of their defaults, does not matter by itself
+    if (const auto found = words_.elements.find(type); found != words_.elements.end())
+      return add({Effect::None, found->second.why});
     if (inDefaults) return add({Effect::None, "a default that no element takes"});
     if (source_.knows(what))
       return add({Effect::None, "another attribute takes its place, or nothing needs it"});

@@ -34,6 +34,8 @@ class UrdfReader {
     model_.staticParentsCollide = false;
     for (const pugi::xml_node& node : source_.children(root, "link")) addName(node);
     for (const pugi::xml_node& node : source_.children(root, "joint")) addJoint(node);
+    for (const pugi::xml_node& node : source_.children(root, "material"))
+      if (const auto color = colorOf(node)) colors_[Tag(source_, node).name()] = *color;
     addRoots(root);
     if (model_.links.size() != links_.size())
       throw Error(source_.path(root), "one tree of links",
@@ -114,6 +116,7 @@ class UrdfReader {
     const std::vector<pugi::xml_node> collisions = source_.children(node, "collision");
     solid_ = {};
     for (const pugi::xml_node& each : collisions) readGeometry(each, {1, 1}, link);
+    link.drawn.clear();
     // without an inertial: water, as in MuJoCo
     constexpr double kDensity = 1000;
     if (const pugi::xml_node inertial = node.child("inertial"))
@@ -121,9 +124,35 @@ class UrdfReader {
     else
       link.mass = placed(solid_, {}, {}, kDensity);
     // what is seen stands for links that nothing collides with
-    if (collisions.empty())
-      for (const pugi::xml_node& each : source_.children(node, "visual")) readGeometry(each, {0, 0}, link);
+    for (const pugi::xml_node& each : source_.children(node, "visual")) {
+      Link seen;
+      readGeometry(each, {0, 0}, seen);
+      const std::optional<Vec3> color = colorOf(each.child("material"));
+      for (DrawnShape& drawn : seen.drawn) {
+        drawn.color = color;
+        drawn.geom = collisions.empty() && drawn.geom >= 0 ? static_cast<int>(link.geoms.size()) : -1;
+        link.drawn.push_back(std::move(drawn));
+      }
+      if (collisions.empty()) link.geoms.insert(link.geoms.end(), seen.geoms.begin(), seen.geoms.end());
+    }
     return link;
+  }
+
+  /// Of a material that has a color itself, or names one of the robot that has.
+  std::optional<Vec3> colorOf(pugi::xml_node material) {
+    if (!material) return std::nullopt;
+    const Tag tag(source_, material);
+    source_.use(material);
+    const std::string name = tag.name();
+    if (const pugi::xml_node color = material.child("color")) {
+      const Tag own(source_, color);
+      const auto rgba = own.numbers("rgba", 4, 4);
+      source_.use(color);
+      const auto share = [&](std::size_t k) { return std::clamp((*rgba)[k], 0., 1.); };
+      if (rgba) return Vec3{share(0), share(1), share(2)};
+    }
+    const auto found = colors_.find(name);
+    return found == colors_.end() ? std::nullopt : std::optional(found->second);
   }
 
   void readInertial(pugi::xml_node node, Link& link) {
@@ -158,7 +187,12 @@ class UrdfReader {
     source_.use(geometry);
     for (const pugi::xml_node& shape : source_.children(geometry)) {
       SolidSums solid;
-      if (!readShape(Tag(source_, shape), geom, solid)) continue;
+      std::optional<Shape> drawn;
+      const bool isThere = readShape(Tag(source_, shape), geom, solid, drawn);
+      if (isThere || drawn)
+        link.drawn.push_back(
+            {drawn.value_or(geom.shape), geom.pose, {}, isThere ? static_cast<int>(link.geoms.size()) : -1});
+      if (!isThere) continue;
       link.geoms.push_back(geom);
       solid_ += placed(solid, geom.pose.p, geom.pose.q, 1);
     }
@@ -171,7 +205,7 @@ class UrdfReader {
   }
 
   /// `solid`: its integrals at density 1, in its own frame.
-  bool readShape(const Tag& tag, Geom& geom, SolidSums& solid) {
+  bool readShape(const Tag& tag, Geom& geom, SolidSums& solid, std::optional<Shape>& drawn) {
     const std::string type = tag.type();
     if (type == "box") {
       const auto size = tag.vector("size");
@@ -185,7 +219,7 @@ class UrdfReader {
     } else if (type == "capsule") {
       geom.shape = Shape::capsule(length(tag, "radius"), length(tag, "length") / 2);
     } else if (type == "mesh") {
-      return readMesh(tag, geom, solid);
+      return readMesh(tag, geom, solid, drawn);
     } else {
       report_.note(Effect::Lost, tag.place(), type, "a geometry that URDF does not have");
       return false;
@@ -194,7 +228,7 @@ class UrdfReader {
     return true;
   }
 
-  bool readMesh(const Tag& tag, Geom& geom, SolidSums& solid) {
+  bool readMesh(const Tag& tag, Geom& geom, SolidSums& solid, std::optional<Shape>& drawn) {
     const Effect loss = geom.contact.any() ? Effect::Lost : Effect::None;
     const std::string name = tag.need("filename");
     const Vec3 scale = tag.vector("scale").value_or(Vec3{1, 1, 1});
@@ -207,6 +241,7 @@ class UrdfReader {
       return false;
     }
     for (Vec3& point : mesh.vertices) point = mul(point, scale);
+    drawn = drawnMesh(mesh);
     try {
       bool reduced = false;
       geom.shape = Shape::hull(cornersOf(mesh.vertices, reduced, tag.path("filename")));
@@ -319,7 +354,8 @@ class UrdfReader {
   std::map<std::string, int> linkIndex_;
   std::map<std::string, std::pair<int, int>> dofIndex_;
   std::vector<pugi::xml_node> mimics_;
-  SolidSums solid_;  ///< of the collision shapes of the present link at density 1
+  std::map<std::string, Vec3> colors_;  ///< of the materials of the robot
+  SolidSums solid_;                     ///< of the collision shapes of the present link at density 1
 };
 
 /// A file that is not expanded has elements of xacro, or expressions.

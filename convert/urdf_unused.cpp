@@ -9,6 +9,7 @@ const Reasons& elements() {
   static const Reasons all{
       {"visual", {Effect::None, "how it looks"}},
       {"material", {Effect::None, "how it looks"}},
+      {"texture", {Effect::None, "how it looks"}},
       {"transmission", {Effect::None, "between actuators and joints; the scene has no actuators"}},
       {"gazebo", {Effect::Lost, "extensions of Gazebo"}},
       {"mujoco", {Effect::Lost, "extensions of MuJoCo"}},

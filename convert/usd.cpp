@@ -63,6 +63,7 @@ Model UsdReader::read(const std::string& bytes, const std::string& file) {
     if (own.hasSchema("PhysicsCollisionAPI") && prim.flag("physics:collisionEnabled", true))
       addCollider(prim, placed_[i]);
   }
+  for (std::size_t i = 1; i < placed_.size(); ++i) addDrawn(at(*placed_[i].prim), placed_[i]);
   for (std::size_t i = 1; i < model_.links.size(); ++i) finishMass(static_cast<int>(i));
   for (std::size_t i = 1; i < placed_.size(); ++i)
     if (isJoint(placed_[i].prim->type)) addJoint(at(*placed_[i].prim), placed_[i]);
@@ -106,7 +107,7 @@ void UsdReader::placeAll(const usd::Prim& prim, const std::string& path, const A
   }
   byPath_[path] = placed_.size();
   placed_.push_back({&prim, path, world, link, instance_});
-  if (prim.type == "Camera" && !model_.camera) model_.camera = world.rigid();
+  if (prim.type == "Camera") addCamera(own, world);
   if (prim.type == "PointInstancer") return addInstances(prim, path, world, link);
   for (const auto& child : prim.children) visit(*child, path + "/" + child->name, world, link);
 }

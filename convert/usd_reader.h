@@ -55,6 +55,7 @@ class UsdReader {
     Affine world;       ///< in meters, z up
     int link;           ///< -1: the world
     int instance = -1;  ///< index into instances_
+    int geom = -1;      ///< of a collider: its first geom in the link
   };
   /// A prototype, where it is placed, and the instance that its instancer belongs to (or -1).
   struct Instance {
@@ -91,6 +92,15 @@ class UsdReader {
     double density = 0;  ///< 0: not given [kg/m3]
   };
   Surface surfaceOf(const UsdPrim& prim, const std::string& path);
+  /// The material that is bound to a prim, or to the nearest one above that has one; nothing if it has none.
+  std::optional<UsdPrim> boundMaterial(const UsdPrim& prim, const std::string& path, bool forPhysics);
+
+  // usd_looks.cpp
+  /// Adds a prim to what is seen of its link.
+  void addDrawn(const UsdPrim& prim, const Placed& placed);
+  void addCamera(const UsdPrim& prim, const Affine& world);
+  bool isVisible(const std::string& path);
+  std::optional<Vec3> colorOf(const UsdPrim& prim, const std::string& path);
 
   // usd_joints.cpp
   void addJoint(const UsdPrim& prim, const Placed& placed);

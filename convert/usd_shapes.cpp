@@ -85,9 +85,8 @@ bool UsdReader::meshOf(const UsdPrim& prim, FreeShape& shape) {
   return true;
 }
 
-UsdReader::Surface UsdReader::surfaceOf(const UsdPrim& prim, const std::string& path) {
-  // the nearest binding above counts
-  Surface out;
+std::optional<UsdPrim> UsdReader::boundMaterial(const UsdPrim& prim, const std::string& path,
+                                                bool forPhysics) {
   std::string at = path;
   std::string bound;
   while (bound.empty()) {
@@ -95,7 +94,7 @@ UsdReader::Surface UsdReader::surfaceOf(const UsdPrim& prim, const std::string& 
     if (found != byPath_.end()) {
       const Placed& owner = placed_[found->second];
       const UsdPrim own = this->at(*owner.prim);
-      const auto* targets = own.targets("material:binding:physics");
+      const auto* targets = forPhysics ? own.targets("material:binding:physics") : nullptr;
       if (!targets) targets = own.targets("material:binding");
       if (targets) bound = inInstance(owner, targets->front());
     }
@@ -103,14 +102,21 @@ UsdReader::Surface UsdReader::surfaceOf(const UsdPrim& prim, const std::string& 
     if (slash == std::string::npos || slash == 0) break;
     at = at.substr(0, slash);
   }
-  if (bound.empty()) return out;
+  if (bound.empty()) return std::nullopt;
   const auto found = byPath_.find(bound);
   if (found == byPath_.end()) {
-    report_.note(Effect::Lost, prim.place(), "material:binding", "the material '" + bound + "' is not there");
-    return out;
+    report_.note(forPhysics ? Effect::Lost : Effect::None, prim.place(), "material:binding",
+                 "the material '" + bound + "' is not there");
+    return std::nullopt;
   }
-  const UsdPrim material = this->at(*placed_[found->second].prim);
-  if (!material.prim().hasSchema("PhysicsMaterialAPI")) return out;
+  return this->at(*placed_[found->second].prim);
+}
+
+UsdReader::Surface UsdReader::surfaceOf(const UsdPrim& prim, const std::string& path) {
+  Surface out;
+  const std::optional<UsdPrim> bound = boundMaterial(prim, path, true);
+  if (!bound || !bound->prim().hasSchema("PhysicsMaterialAPI")) return out;
+  const UsdPrim& material = *bound;
   const auto atLeast0 = [&](const char* key) {
     const double value = material.number(key, 0);
     if (value < 0) material.fail(key, "a number of at least 0", std::to_string(value));
@@ -153,6 +159,7 @@ void UsdReader::addCollider(const UsdPrim& prim, Placed& placed) {
   }
   if (collider.mass < 0) prim.fail("physics:mass", "a number of at least 0", "less");
   if (collider.density < 0) prim.fail("physics:density", "a number of at least 0", "less");
+  placed.geom = static_cast<int>(link.geoms.size());
   if (!addShape(link, shape, toLink, like, isStatic || link.kinematic, collider.solid, report_)) return;
   report_.converted(prim.place(), prim.prim().type + inQuotes(prim.prim().name),
                     isStatic ? "static shape" : "shape of body" + inQuotes(link.name));

@@ -16,10 +16,10 @@ class BodyReader {
   BodyDef body(const Node& node) const;
   /// A material, or the name of one of the table.
   Material material(const Node& node) const;
-
- private:
+  /// A shape, or the name of one of the table.
   Shape shape(const Node& node) const;
 
+ private:
   std::map<std::string, Material> materials_;
   std::map<std::string, Shape> shapes_;
 };

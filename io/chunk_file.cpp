@@ -146,13 +146,13 @@ std::optional<ChunkReader::Head> ChunkReader::head(std::uint64_t offset) {
   return Head{full->name, offset + kHeadSize + full->storedSize};
 }
 
-std::optional<Chunk> ChunkReader::read(std::uint64_t offset) {
+std::optional<Chunk> ChunkReader::read(std::uint64_t offset, Bytes memory) {
   const auto head = fullHead(offset);
   if (!head) return std::nullopt;
   Bytes stored = readRaw(offset + kHeadSize, head->storedSize);
   if (crc32(stored.data(), stored.size()) != head->checksum)
     fail(offset + kHeadSize, "the content of a chunk", "a wrong checksum");
-  Chunk chunk{offset, head->name, {}};
+  Chunk chunk{offset, head->name, std::move(memory)};
   if (head->codec == Codec::None) {
     chunk.content = std::move(stored);
     return chunk;

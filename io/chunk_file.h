@@ -52,8 +52,9 @@ class ChunkReader {
   explicit ChunkReader(const std::string& file);
 
   std::uint64_t size() const { return size_; }
-  /// The chunk at an offset; nothing if the file ends before the chunk does.
-  std::optional<Chunk> read(std::uint64_t offset);
+  /// The chunk at an offset; nothing if the file ends before the chunk does. `memory`: of a content that is
+  /// not needed any more.
+  std::optional<Chunk> read(std::uint64_t offset, Bytes memory = {});
   /// Name and end of the chunk at an offset, without its content; nothing if the file ends before the chunk
   /// does.
   struct Head {

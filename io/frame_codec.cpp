@@ -133,7 +133,8 @@ std::vector<std::uint8_t> FrameEncoder::finish() {
 
 std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content,
                                                        std::size_t bodyCount, std::size_t vertexCount,
-                                                       double resolution, std::uint32_t version) {
+                                                       double resolution, std::uint32_t version,
+                                                       std::vector<RecordedFrame> memory) {
   ByteReader in(content);
   const std::size_t frameCount = in.get<std::uint32_t>();
   const std::size_t bodies = in.get<std::uint32_t>();
@@ -145,7 +146,8 @@ std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::ui
   if (!in.ok() || bodies != bodyCount || vertices != vertexCount || !(wanted == in.left()))
     return std::nullopt;
 
-  std::vector<RecordedFrame> frames(frameCount);
+  std::vector<RecordedFrame> frames = std::move(memory);
+  frames.resize(frameCount);
   for (RecordedFrame& frame : frames) {
     frame.step = in.get<std::int64_t>();
     frame.time = in.getDouble();
@@ -159,10 +161,11 @@ std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::ui
   std::vector<std::uint32_t> words(wordCount, 0);
   const std::uint8_t* plane = content.data() + (content.size() - in.left());
   for (RecordedFrame& frame : frames) {
+    const std::uint8_t *const b0 = plane, *const b1 = b0 + wordCount, *const b2 = b1 + wordCount,
+                              *const b3 = b2 + wordCount;
     for (std::size_t i = 0; i < wordCount; ++i) {
-      std::uint32_t difference = 0;
-      for (std::size_t byte = 0; byte < 4; ++byte)
-        difference |= static_cast<std::uint32_t>(plane[byte * wordCount + i]) << (8 * byte);
+      const std::uint32_t difference = b0[i] | std::uint32_t{b1[i]} << 8 | std::uint32_t{b2[i]} << 16 |
+                                       std::uint32_t{b3[i]} << 24;
       words[i] += static_cast<std::uint32_t>(unzigzag(difference));
     }
     plane += 4 * wordCount;

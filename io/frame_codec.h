@@ -37,9 +37,10 @@ class FrameEncoder {
 };
 
 /// Frames of a chunk of a file of that version; nothing if the bytes are not what an encoder makes for that
-/// many bodies and vertices.
+/// many bodies and vertices. `memory`: frames that are not needed any more.
 std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content,
                                                        std::size_t bodyCount, std::size_t vertexCount,
-                                                       double resolution, std::uint32_t version);
+                                                       double resolution, std::uint32_t version,
+                                                       std::vector<RecordedFrame> memory = {});
 
 }  // namespace rubble::io

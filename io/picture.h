@@ -2,6 +2,7 @@
 /// Bodies and surfaces to draw of a world, a scene or a recording, and pictures as files. render/ draws them.
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,8 +24,12 @@ struct PictureBody {
                          ///< list
   double value = 0;      ///< quantity shown by colors (picture_values.h); NaN: none
   std::vector<float> vertexValues =
-      {};  ///< likewise, of the points of a mesh that deforms; empty: `value` for all
+      {};                          ///< likewise, of the points of a mesh that deforms; empty: `value` for all
+  std::optional<Vec3> color = {};  ///< red, green, blue, 0 to 1 (sRGB); none: the renderer chooses
+  bool isWheel = false;            ///< its shape is that of a wheel with teeth (drawMachines)
 };
+/// The same geometry, in the same sizes?
+bool sameShape(const Shape& a, const Shape& b);
 /// Keys from here on are of deformable objects.
 inline constexpr std::uint32_t kSoftKeys = 1u << 31;
 /// Below these bits of such a key: the number of the vertex; above: that of the object.
@@ -51,6 +56,8 @@ std::vector<PictureBody> pictureBodies(const Scene& scene, bool withEvents = fal
 void addRopes(const World& world, std::vector<PictureBody>& bodies);
 /// Does a world have some?
 bool hasRopes(const World& world);
+/// Keys of stands of hinges: above those of bodies, below those of deformable objects.
+inline constexpr std::uint32_t kStandKeys = 1u << 30;
 /// Key of that mesh.
 inline constexpr std::uint32_t kRopeKey = ~0u;
 /// A tube from a to b with closed ends, added to a mesh [m].

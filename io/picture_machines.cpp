@@ -20,8 +20,6 @@ constexpr int kFewTeeth = 10, kMostTeeth = 40, kMostDrawnTeeth = 400;
 constexpr double kAddendum = .22, kRootHalf = .31, kTipHalf = .15;
 /// Thickness of a stand over the size of what it carries [1].
 constexpr double kStandThickness = .12;
-/// Keys of stands: above those of bodies, below those of deformable objects.
-constexpr std::uint32_t kStandKeys = 1u << 30;
 
 /// A wheel: its axis and sizes in the frame of its body.
 struct Wheel {
@@ -216,7 +214,7 @@ void drawMachines(const World& world, std::vector<PictureBody>& bodies) {
       addStand(joint, isA, bodies[slots[(isA ? a : b).index]], up, ground, stands);
     }
   }
-  for (const auto& [slot, wheel] : drawn) bodies[slot].shape = wheel.first;
+  for (const auto& [slot, wheel] : drawn) bodies[slot].shape = wheel.first, bodies[slot].isWheel = true;
   bodies.insert(bodies.end(), stands.begin(), stands.end());
 }
 

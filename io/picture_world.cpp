@@ -63,6 +63,11 @@ double halfSize(const Shape& shape) {
 
 }  // namespace
 
+bool sameShape(const Shape& a, const Shape& b) {
+  return a.type == b.type && a.halfExtents == b.halfExtents && a.radius == b.radius &&
+         a.halfLength == b.halfLength && a.rounding == b.rounding && a.geometry == b.geometry;
+}
+
 double boundingRadius(const Shape& shape) { return length(shapeExtent(shape)); }
 
 double extentAlong(const PictureBody& body, const Vec3& axis) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "io/appearance_json.h"
 #include "io/byte_stream.h"
 #include "io/frame_codec.h"
 #include "io/recording_format.h"
@@ -55,6 +56,11 @@ struct RecordingWriter::Impl {
   Impl(const std::string& file, const RecordingHeader& header) : out(file), frames(header.resolution) {
     out.writeRaw(magicBytes());
     out.write(kHead, encodeHeader(header));
+    if (const Appearance& own = header.appearance; !own.looks.empty() || own.toSun || !own.cameras.empty()) {
+      ByteWriter text;
+      text.put(appearanceText(own));
+      out.write(kLook, text.bytes());
+    }
   }
 
   void flushFrames() {
@@ -134,6 +140,7 @@ struct RecordingReader::Impl {
   std::optional<std::size_t> framesOf;
   std::optional<std::uint64_t> bodiesOffset;
   std::vector<RecordedFrame> frames;
+  Bytes content;  ///< of the chunk of frames
   RecordedObjects objects;
   std::uint32_t version = kVersion;
 
@@ -152,8 +159,8 @@ struct RecordingReader::Impl {
     }
   }
 
-  Chunk need(std::uint64_t offset, std::uint32_t name, const std::string& what) {
-    std::optional<Chunk> chunk = in.read(offset);
+  Chunk need(std::uint64_t offset, std::uint32_t name, const std::string& what, Bytes memory = {}) {
+    std::optional<Chunk> chunk = in.read(offset, std::move(memory));
     if (!chunk) in.fail(offset, what, "the end of the file");
     if (chunk->name != name) in.fail(offset, what, "another chunk");
     return std::move(*chunk);
@@ -170,7 +177,14 @@ struct RecordingReader::Impl {
               "version " + std::to_string(version));
     if (!decoded) in.fail(chunk.offset, "the header of a trajectory", "other content");
     header = *decoded;
-    return in.head(kMagic.size())->end;
+    const std::uint64_t first = in.head(kMagic.size())->end;
+    const auto next = in.head(first);
+    if (!next || next->name != kLook) return first;
+    std::optional<Appearance> look = appearanceOf(
+        ByteReader(need(first, kLook, "an appearance").content).getText());
+    if (!look) in.fail(first, "an appearance", "other content");
+    header.appearance = std::move(*look);
+    return next->end;
   }
 
   /// Where the index is, if the file has its footer.
@@ -238,8 +252,9 @@ struct RecordingReader::Impl {
     const FrameChunk& chunk = chunks[place];
     if (framesOf == place) return static_cast<std::size_t>(frame - firstFrames[place]);
     framesOf.reset();
-    auto decoded = decodeFrames(need(chunk.offset, kFrames, "frames").content, objects.bodies.size(),
-                                objects.vertexCount(), header.resolution, version);
+    content = need(chunk.offset, kFrames, "frames", std::move(content)).content;
+    auto decoded = decodeFrames(content, objects.bodies.size(), objects.vertexCount(), header.resolution,
+                                version, std::move(frames));
     if (!decoded || decoded->size() != static_cast<std::size_t>(chunk.frameCount))
       in.fail(chunk.offset,
               std::to_string(chunk.frameCount) + " frames of " + std::to_string(objects.bodies.size()) +
@@ -259,7 +274,8 @@ RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = defaul
 const RecordingHeader& RecordingReader::header() const { return impl_->header; }
 bool RecordingReader::complete() const { return impl_->complete; }
 int RecordingReader::frameCount() const { return impl_->frameCount; }
-RecordedFrame RecordingReader::frame(int index) {
+RecordedFrame RecordingReader::frame(int index) { return view(index); }
+const RecordedFrame& RecordingReader::view(int index) {
   const std::size_t place = impl_->load(index);
   return impl_->frames[place];
 }

@@ -1,16 +1,17 @@
 #pragma once
 /// Trajectory files: positions of all bodies and of the vertices of all deformable objects in every frame,
 /// compressed. A file can be read from any frame on, and also after a run that was killed. A file is a
-/// sequence of chunks, each with a checksum. HEAD describes the run. BODY has the bodies and deformable
-/// objects of the frames that follow. FRAM has up to 32 frames. INDX at the end lists the FRAM chunks, and a
-/// footer points to it. A file without an index is read by walking over its chunks; a truncated last chunk
-/// is ignored. Files of version 1 have no deformable objects.
+/// sequence of chunks, each with a checksum. HEAD describes the run, LOOK its appearance, if it has one. BODY
+/// has the bodies and deformable objects of the frames that follow. FRAM has up to 32 frames. INDX at the end
+/// lists the FRAM chunks, and a footer points to it. A file without an index is read by walking over its
+/// chunks; a truncated last chunk is ignored. Files of version 1 have no deformable objects.
 #include <cstdint>
 #include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include <rubble/appearance.h>
 #include <rubble/scene.h>
 #include <rubble/world.h>
 
@@ -19,11 +20,12 @@
 namespace rubble::io {
 
 struct RecordingHeader {
-  std::string scene;         ///< title of the run
-  double dt = 1.0 / 60;      ///< time between two steps [s]
-  Vec3 gravity;              ///< [m/s2]
-  double resolution = 1e-5;  ///< positions are rounded to multiples of this from where a chunk of frames
-                             ///< begins [m]
+  std::string scene;           ///< title of the run
+  double dt = 1.0 / 60;        ///< time between two steps [s]
+  Vec3 gravity;                ///< [m/s2]
+  double resolution = 1e-5;    ///< positions are rounded to multiples of this from where a chunk of frames
+                               ///< begins [m]
+  Appearance appearance = {};  ///< with bodies by the index of their BodyId
 };
 
 struct RecordedBody {
@@ -124,6 +126,8 @@ class RecordingReader {
   std::uint64_t intactBytes() const;
   int frameCount() const;
   RecordedFrame frame(int index);
+  /// The same, valid until the next call.
+  const RecordedFrame& view(int index);
   /// The tables of a frame, without a look at its poses. Valid until the next call.
   const std::vector<RecordedBody>& bodies(int frameIndex);
   const std::vector<RecordedSoft>& softs(int frameIndex);

@@ -11,6 +11,7 @@ namespace rubble::io {
 /// Version 1 had no deformable objects.
 inline constexpr std::uint32_t kVersion = 2, kOldestVersion = 1;
 inline constexpr std::uint32_t kHead = chunkName("HEAD");
+inline constexpr std::uint32_t kLook = chunkName("LOOK");
 inline constexpr std::uint32_t kBody = chunkName("BODY");
 inline constexpr std::uint32_t kFrames = chunkName("FRAM");
 inline constexpr std::uint32_t kIndex = chunkName("INDX");

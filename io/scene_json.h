@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include <rubble/appearance.h>
 #include <rubble/error.h>
 #include <rubble/scene.h>
+#include <rubble/sensors.h>
 
 namespace rubble::io {
 
@@ -29,6 +31,8 @@ struct SceneFile {
   Scene scene;
   std::vector<FileClaim> claims;
   std::optional<FileCamera> camera;
+  Appearance appearance;
+  std::vector<SensorDef> sensors;
   int steps = 600;       ///< of a full run
   int iterations = 4;    ///< that the verdict is stated for
   int substeps = 1;      ///< likewise

@@ -3,7 +3,9 @@
 #include <fstream>
 #include <sstream>
 
+#include "io/appearance_json.h"
 #include "io/scene_reader.h"
+#include "io/sensor_json.h"
 #include "io/shape_json.h"
 #include "io/soft_json.h"
 
@@ -12,7 +14,7 @@ namespace rubble::io {
 const std::vector<std::string>& SceneReader::keys() {
   static const std::vector<std::string> all{"name",       "description", "gravity", "steps",
                                             "iterations", "substeps",    "dt",      "smash_step",
-                                            "materials",  "shapes",      "camera"};
+                                            "materials",  "shapes",      "camera",  "sun"};
   return all;
 }
 
@@ -25,6 +27,9 @@ static constexpr std::pair<const char*, const char*> kLists[] = {
     {"attachments", "a list of attachments"},
     {"exclusions", "a list of pairs of bodies"},
     {"events", "a list of events"},
+    {"sensors", "a list of sensors"},
+    {"looks", "a list of looks"},
+    {"cameras", "a list of cameras"},
     {"verdict", "a list of claims"},
 };
 
@@ -65,6 +70,8 @@ void SceneReader::set(SceneFile& out, const std::string& key, const Node& value)
     bodyReader_.readShapes(value);
   else if (key == "camera")
     out.camera = camera(value);
+  else if (key == "sun")
+    out.appearance.toSun = readDirection(value);
   else
     value.faultText("expected a key of a scene, got " + describe(key) + hint(key, keys()));
 }
@@ -87,6 +94,14 @@ void SceneReader::add(SceneFile& out, const std::string& list, const Node& eleme
     addExclusion(scene, element);
   else if (list == "events")
     scene.events.push_back(event(element, scene));
+  else if (list == "sensors")
+    out.sensors.push_back(readSensor(
+        element, [&](const Node& body) { return bodyIndex(body, scene); },
+        [&](const Node& joint) { return jointIndex(joint, scene); }));
+  else if (list == "looks")
+    addLook(out, element);
+  else if (list == "cameras")
+    addCamera(out, element);
   else if (list == "verdict")
     out.claims.push_back(claim(element));
   else
@@ -122,6 +137,12 @@ void SceneReader::dropLast(SceneFile& out, const std::string& list) {
     scene.attachments.pop_back();
   } else if (list == "events" && !scene.events.empty()) {
     scene.events.pop_back();
+  } else if (list == "sensors" && !out.sensors.empty()) {
+    out.sensors.pop_back();
+  } else if (list == "looks" && !out.appearance.looks.empty()) {
+    out.appearance.looks.pop_back();
+  } else if (list == "cameras" && !out.appearance.cameras.empty()) {
+    out.appearance.cameras.pop_back();
   } else if (list == "verdict" && !out.claims.empty()) {
     out.claims.pop_back();
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "io/appearance_json.h"
 #include "io/joint_reader.h"
 #include "io/shape_json.h"
 
@@ -27,6 +28,21 @@ int SceneReader::bodyIndex(const Node& node, const Scene& scene) {
   node.faultText("expected the name or index of a body, or \"world\", got " + describe(node.value()) +
                  hint(*name, bodyNames()));
   return kWorld;
+}
+
+int SceneReader::jointIndex(const Node& node, const Scene& scene) {
+  if (node.value().isInteger()) {
+    const auto index = node.whole(0, "the index of a joint, from 0");
+    if (index && *index < static_cast<int>(scene.joints.size())) return *index;
+    if (index) node.fault("the index of one of " + std::to_string(scene.joints.size()) + " joints");
+    return -1;
+  }
+  const std::string name = node.text().value_or("");
+  const auto found = std::ranges::find(scene.joints, name, &JointDef::name);
+  if (!name.empty() && found != scene.joints.end()) return static_cast<int>(found - scene.joints.begin());
+  node.faultText("expected the name or index of a joint, got " + describe(node.value()) +
+                 hint(name, {joints_.begin(), joints_.end()}));
+  return -1;
 }
 
 /// Index of a joint that the file has named earlier, or -1.
@@ -207,6 +223,24 @@ void SceneReader::addBody(Scene& scene, const Node& element) {
   const int index = static_cast<int>(scene.bodies.size()) - 1;
   if (!added.name.empty() && !bodies_.emplace(added.name, index).second)
     element.child("name").faultText("expected a name of its own, got " + describe(added.name) + " again");
+}
+
+void SceneReader::addLook(SceneFile& out, const Node& element) {
+  std::vector<Look>& looks = out.appearance.looks;
+  Look look = readLook(
+      element, [&](const Node& body) { return bodyIndex(body, out.scene); },
+      [&](const Node& shape) { return bodyReader_.shape(shape); }, out.scene.bodies);
+  if (std::ranges::count(looks, look.body, &Look::body) > 0)
+    element.child("body").faultText("expected a body without another look, got one with two");
+  looks.push_back(std::move(look));
+}
+
+void SceneReader::addCamera(SceneFile& out, const Node& element) {
+  std::vector<NamedCamera>& cameras = out.appearance.cameras;
+  NamedCamera camera = readNamedCamera(element);
+  if (std::ranges::count(cameras, camera.name, &NamedCamera::name) > 0)
+    element.child("name").faultText("expected a name of its own, got " + describe(camera.name) + " again");
+  cameras.push_back(std::move(camera));
 }
 
 void SceneReader::addExclusion(Scene& scene, const Node& element) {

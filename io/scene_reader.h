@@ -34,11 +34,15 @@ class SceneReader {
 
  private:
   void addBody(Scene& scene, const Node& element);
+  void addLook(SceneFile& out, const Node& element);
+  void addCamera(SceneFile& out, const Node& element);
   void addExclusion(Scene& scene, const Node& element);
   JointDef joint(const Node& node, const Scene& scene);
   int jointOfType(const Node& node, const Scene& scene, JointType type);
   void coupling(ObjectReader& object, JointDef& out, const Scene& scene);
   int bodyIndex(const Node& node, const Scene& scene);
+  /// The index of a joint by its name or index, or -1.
+  int jointIndex(const Node& node, const Scene& scene);
   Event event(const Node& node, const Scene& scene);
   Event::Turn turn(const Node& node);
   void checkRemoval(const Node& node, const std::string& pattern, const Scene& scene);

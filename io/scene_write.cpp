@@ -5,10 +5,12 @@
 #include <map>
 #include <tuple>
 
+#include "io/appearance_json.h"
 #include "io/joint_reader.h"
 #include "io/json_text.h"
 #include "io/output_file.h"
 #include "io/scene_json.h"
+#include "io/sensor_json.h"
 #include "io/shape_json.h"
 #include "io/soft_json.h"
 
@@ -64,7 +66,9 @@ class SceneWriter {
   void nameMaterial(const Material& material);
   /// How the file names a material; null for the usual one.
   Json materialName(const Material& material) const;
-  void nameShape(const BodyDef& body);
+  void nameShape(const Shape& shape);
+  /// The name of a shape that several bodies have, otherwise the shape.
+  Json shapeOf(const Shape& shape) const;
   void countName(const BodyDef& body) { ++nameUses_[body.name]; }
   Json body(const BodyDef& body) const;
   Json bodyReference(int index) const;
@@ -99,11 +103,16 @@ Json SceneWriter::materialName(const Material& material) const {
   return found == materials_.end() ? Json() : Json(found->first);
 }
 
-void SceneWriter::nameShape(const BodyDef& body) {
-  const ShapeKey key = keyOf(body.shape);
-  if (!body.shape.geometry || ++shapeUses_[key] != 2) return;
-  shapes_.emplace_back("shape" + std::to_string(shapes_.size() + 1), body.shape);
+void SceneWriter::nameShape(const Shape& shape) {
+  const ShapeKey key = keyOf(shape);
+  if (!shape.geometry || ++shapeUses_[key] != 2) return;
+  shapes_.emplace_back("shape" + std::to_string(shapes_.size() + 1), shape);
   shapeNames_[key] = shapes_.back().first;
+}
+
+Json SceneWriter::shapeOf(const Shape& shape) const {
+  const auto named = shapeNames_.find(keyOf(shape));
+  return named != shapeNames_.end() ? Json(named->second) : shapeJson(shape);
 }
 
 Json SceneWriter::body(const BodyDef& body) const {
@@ -113,8 +122,7 @@ Json SceneWriter::body(const BodyDef& body) const {
   if (!body.name.empty()) json["name"] = body.name;
   if (body.motion != Motion::Dynamic && body.shape.type != ShapeType::Plane)
     json["motion"] = kMotions[static_cast<std::size_t>(body.motion)];
-  const auto named = shapeNames_.find(keyOf(body.shape));
-  json["shape"] = named != shapeNames_.end() ? Json(named->second) : shapeJson(body.shape);
+  json["shape"] = shapeOf(body.shape);
   if (const Json material = materialName(body.material); !material.is_null()) json["material"] = material;
   if (body.mass) {
     json["mass"] = *body.mass;
@@ -180,10 +188,13 @@ Json SceneWriter::claim(const FileClaim& claim) const {
 
 Json SceneWriter::write() {
   const Scene& scene = file_.scene;
-  for (const BodyDef& body : scene.bodies) nameMaterial(body.material), nameShape(body), countName(body);
+  for (const BodyDef& body : scene.bodies)
+    nameMaterial(body.material), nameShape(body.shape), countName(body);
   for (const Deformable& object : scene.deformables) nameMaterial(common(object).material);
   for (const Event& event : scene.events)
-    for (const BodyDef& body : event.add) nameMaterial(body.material), nameShape(body);
+    for (const BodyDef& body : event.add) nameMaterial(body.material), nameShape(body.shape);
+  for (const Look& look : file_.appearance.looks)
+    for (const LookPart& part : look.parts) nameShape(part.shape);
 
   Json json = Json::object();
   json["name"] = scene.name;
@@ -196,6 +207,7 @@ Json SceneWriter::write() {
   if (!same(file_.dt, SceneFile{}.dt)) json["dt"] = file_.dt;
   if (file_.camera)
     json["camera"] = {{"eye", vectorJson(file_.camera->eye)}, {"target", vectorJson(file_.camera->target)}};
+  if (file_.appearance.toSun) json["sun"] = vectorJson(*file_.appearance.toSun);
   for (const auto& [key, own] : materials_) {
     Json& material = json["materials"][key] = materialJson(own);
     material["name"] = own.name;
@@ -214,6 +226,13 @@ Json SceneWriter::write() {
   for (const auto& [a, b] : scene.exclusions)
     json["exclusions"].push_back(Json{bodyReference(a), bodyReference(b)});
   for (const Event& added : scene.events) json["events"].push_back(event(added));
+  for (const SensorDef& added : file_.sensors)
+    json["sensors"].push_back(sensorJson(
+        added, [&](int body) { return bodyReference(body); }, [](int joint) { return Json(joint); }));
+  for (const Look& added : file_.appearance.looks)
+    json["looks"].push_back(lookJson(
+        added, bodyReference(added.body), [this](const Shape& each) { return shapeOf(each); }));
+  for (const NamedCamera& added : file_.appearance.cameras) json["cameras"].push_back(namedCameraJson(added));
   for (const FileClaim& added : file_.claims) json["verdict"].push_back(claim(added));
   return json;
 }

@@ -4,7 +4,7 @@
 
 namespace rubble::render {
 
-enum class Finish { Stone = 1, Metal, Plastic, Ground, Cloth };
+enum class Finish { Stone = 1, Metal, Plastic, Ground, Cloth, Paint };
 
 /// Geometries that every renderer has; meshes of one's own follow.
 enum Geometry : int { kBox, kRound, kCylinder, kPlane, kOwnMesh };

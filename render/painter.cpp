@@ -27,7 +27,8 @@ class GlPainter final : public Painter {
  public:
   GlPainter(std::span<const io::PictureBody> atStart, const Vec3& gravity, const Camera& camera,
             const PaintSettings& settings)
-      : settings_(settings), stage_(atStart, gravity, camera, settings.width, settings.height) {
+      : settings_(settings),
+        stage_(atStart, gravity, camera, settings.width, settings.height, settings.appearance) {
     quality_.samples = settings.transparent ? std::max(2, settings.samples) : settings.samples;
     stage_.setting().background = settings.background;
     stage_.setting().transparent = settings.transparent;

@@ -7,6 +7,8 @@
 #include <span>
 #include <string>
 
+#include <rubble/appearance.h>
+
 #include "io/picture.h"
 #include "render/camera.h"
 #include "render/overlay.h"
@@ -24,6 +26,7 @@ struct PaintSettings {
   /// Direction of the sun: angle about up, from the right of the first camera, and height above the horizon
   /// [rad]. Otherwise the light is chosen for that camera.
   std::optional<std::array<double, 2>> sun = {};
+  Appearance appearance = {};  ///< of the scene
 };
 
 /// Draws the pictures of one run. Colors and light are chosen from the scene as it begins.

@@ -56,12 +56,16 @@ Vec3f along(std::span<const std::uint32_t> stops, double t) {
 
 }  // namespace
 
-Vec3f linearColor(std::uint32_t rgb) {
-  const auto channel = [&](int shift) {
-    const float s = static_cast<float>((rgb >> shift) & 255u) / 255.f;
+Vec3f linearColor(const Vec3f& srgb) {
+  const auto channel = [](float s) {
     return s <= .04045f ? s / 12.92f : std::pow((s + .055f) / 1.055f, 2.4f);
   };
-  return {channel(16), channel(8), channel(0)};
+  return {channel(srgb.x), channel(srgb.y), channel(srgb.z)};
+}
+
+Vec3f linearColor(std::uint32_t rgb) {
+  const auto channel = [&](int shift) { return static_cast<float>((rgb >> shift) & 255u) / 255.f; };
+  return linearColor(Vec3f{channel(16), channel(8), channel(0)});
 }
 
 Vec3f heat(double fraction) { return along(kHeatStops, fraction); }
@@ -120,15 +124,16 @@ Vec3f Palette::softColor(std::uint32_t key) const {
          (.93f + .14f * fraction(mixed(key + 1), 8));
 }
 
-bool sameShape(const Shape& a, const Shape& b) {
-  return a.type == b.type && a.halfExtents == b.halfExtents && a.radius == b.radius &&
-         a.halfLength == b.halfLength && a.rounding == b.rounding && a.geometry == b.geometry;
-}
-
 BodyLook Palette::look(const io::PictureBody& body) {
+  if (body.color) {
+    BodyLook look = newLook(body);
+    look.color = linearColor(Vec3f(*body.color));
+    if (look.finish != Finish::Ground) look.finish = Finish::Paint;
+    return look;
+  }
   // The key of a body that was removed may come back with another.
   const auto known = known_.find(body.key);
-  if (known != known_.end() && sameShape(known->second.shape, body.shape)) return known->second.look;
+  if (known != known_.end() && io::sameShape(known->second.shape, body.shape)) return known->second.look;
   return (known_[body.key] = {body.shape, newLook(body)}).look;
 }
 

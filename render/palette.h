@@ -18,6 +18,8 @@ inline constexpr std::array<std::uint32_t, 12> kKindColors{0xc0604a, 0x3f7f93, 0
 
 /// Linear color of "#rrggbb" as 0xrrggbb (sRGB).
 Vec3f linearColor(std::uint32_t rgb);
+/// The same of red, green and blue from 0 to 1 (sRGB).
+Vec3f linearColor(const Vec3f& srgb);
 
 class Palette {
  public:
@@ -49,8 +51,6 @@ class Palette {
   };
   std::unordered_map<std::uint32_t, Known> known_;
 };
-
-bool sameShape(const Shape& a, const Shape& b);
 
 /// Cold at rest, through teal and yellow to red at `fraction` 1.
 Vec3f heat(double fraction);

@@ -25,10 +25,12 @@ Vec3 sunFor(const Camera& camera, const Vec3& up) {
 }
 
 Stage::Stage(std::span<const io::PictureBody> bodies, const Vec3& gravity, const Camera& camera, int width,
-             int height)
-    : palette_(bodies, normalize(-gravity, {0, 0, 1})), renderer_(width, height) {
+             int height, const Appearance& appearance)
+    : palette_(bodies, normalize(-gravity, {0, 0, 1})),
+      looks_(appearance.looks, bodies),
+      renderer_(width, height) {
   setting_.up = normalize(-gravity, {0, 0, 1});
-  setting_.toSun = sunFor(camera, setting_.up);
+  setting_.toSun = appearance.toSun ? *appearance.toSun : sunFor(camera, setting_.up);
   setting_.bodySize = palette_.bodySize();
   setting_.sceneSize = length(camera.target - camera.eye);
   renderer_.setOrigin(camera.target);
@@ -38,7 +40,7 @@ Stage::Stage(std::span<const io::PictureBody> bodies, const Vec3& gravity, const
 bool Stage::sameBodies(std::span<const io::PictureBody> bodies) const {
   if (bodies.size() != keys_.size()) return false;
   for (std::size_t i = 0; i < bodies.size(); ++i)
-    if (bodies[i].key != keys_[i] || !sameShape(bodies[i].shape, shapes_[i])) return false;
+    if (bodies[i].key != keys_[i] || !io::sameShape(bodies[i].shape, shapes_[i])) return false;
   return true;
 }
 
@@ -66,7 +68,12 @@ void Stage::setSurfaces(std::span<const io::PictureBody> bodies, io::ColorBy col
   hasSurfaces_ = !surfaces.empty();
 }
 
-void Stage::setBodies(std::span<const io::PictureBody> all, io::ColorBy colorBy, double fullValue) {
+void Stage::setBodies(std::span<const io::PictureBody> bodies, io::ColorBy colorBy, double fullValue) {
+  if (looks_.empty()) return setParts(bodies, colorBy, fullValue);
+  setParts(looks_.applied(bodies), colorBy, fullValue);
+}
+
+void Stage::setParts(std::span<const io::PictureBody> all, io::ColorBy colorBy, double fullValue) {
   ++bodiesSet_;
   if (fullValue <= 0) fullValue = io::largestValue(all, colorBy);
   fullValue_ = fullValue;

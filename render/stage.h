@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "io/look_table.h"
 #include "render/palette.h"
 #include "render/renderer.h"
 #include "render/shape_meshes.h"
@@ -12,9 +13,9 @@ namespace rubble::render {
 class Stage {
  public:
   /// `bodies` is the scene as it begins: light, colors and scale are taken from it and from the first
-  /// camera.
+  /// camera, unless `appearance` says otherwise.
   Stage(std::span<const io::PictureBody> bodies, const Vec3& gravity, const Camera& camera, int width,
-        int height);
+        int height, const Appearance& appearance = {});
 
   /// Bodies as they are now. Those that keep their key keep their color. `fullValue` has the hottest color;
   /// 0: the largest one of these.
@@ -41,9 +42,11 @@ class Stage {
 
  private:
   bool sameBodies(std::span<const io::PictureBody> bodies) const;
+  void setParts(std::span<const io::PictureBody> all, io::ColorBy colorBy, double fullValue);
   void setSurfaces(std::span<const io::PictureBody> bodies, io::ColorBy colorBy, double fullValue);
 
   Palette palette_;
+  io::LookTable looks_;
   Renderer renderer_;
   ShapeMeshes meshes_;
   Setting setting_;

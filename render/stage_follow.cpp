@@ -48,8 +48,8 @@ void Stage::learn(World& world) {
   f.bodiesSet = bodiesSet_;
   f.epoch = world.epoch();
   f.sources.clear();
-  f.simple = io::posesAreAll(world);
-  f.why = f.simple ? "" : "something deforms";
+  f.simple = io::posesAreAll(world) && looks_.empty();
+  f.why = f.simple ? "" : looks_.empty() ? "something deforms" : "bodies have drawn parts";
   if (!f.simple) return;
   f.sources = io::poseSources(world);
   for (const BodyId id : world.bodies()) {

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include <rubble/appearance.h>
 #include <rubble/rubble.h>
+#include <rubble/sensors.h>
 
 namespace rubble::scenes {
 
@@ -97,6 +99,8 @@ struct Job {
   std::vector<Claim> claims;
   Drive drive;  ///< may be empty
   Camera camera;
+  Appearance appearance;
+  std::vector<SensorDef> sensors;
   int steps = 600;
   int iterations = 4;
   int substeps = 1;

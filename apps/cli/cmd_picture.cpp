@@ -28,7 +28,8 @@ void fromTrajectory(const PictureCommand& options, const Look& look) {
   if (recording.frameCount() == 0) throw Error(options.job.scene, "a trajectory with frames", "none");
   const int last = static_cast<int>(recording.frame(recording.frameCount() - 1).step);
   const std::vector<PictureRequest> requests = picturesOf(options.picture, last);
-  PictureWriter pictures(requests, look, recording.header().gravity, {}, io::pictureBodies(recording, 0));
+  PictureWriter pictures(requests, look, recording.header().gravity, {}, recording.header().appearance,
+                         io::pictureBodies(recording, 0));
   for (const PictureRequest& request : requests)
     pictures.take(request.afterSteps,
                   io::pictureBodies(recording, io::frameAfter(recording, request.afterSteps)));
@@ -45,7 +46,8 @@ void fromScene(const PictureCommand& options, const Look& look) {
   const bool atStart = options.picture.at.empty() && !options.job.steps;
   if (atStart) {
     const std::vector<io::PictureBody> bodies = bodiesAtStart(prepared, look);
-    PictureWriter({{0, options.picture.file}}, look, prepared.job.scene.gravity, prepared.job.camera, bodies)
+    PictureWriter({{0, options.picture.file}}, look, prepared.job.scene.gravity, prepared.job.camera,
+                  prepared.job.appearance, bodies)
         .take(0, bodies);
     return;
   }

@@ -126,7 +126,8 @@ void addRender(CLI::App& app, int& status) {
          "-o,--out", options.out,
          "film.mp4 (.mkv, .mov, .webm, .gif), frame_%04d.png, or picture.png (.jpg) for the end alone")
       ->type_name("FILE");
-  sub->add_option("--camera", options.camera, fmt::format("{}", fmt::join(cameraNames(), ", ")))
+  sub->add_option("--camera", options.camera,
+                  fmt::format("{}, or one of the scene", fmt::join(cameraNames(), ", ")))
       ->capture_default_str();
   addViewOptions(*sub, command->look);
   sub->add_option("--orbit", command->orbitDegrees, "Turn the camera about its target [degrees/s of film]");

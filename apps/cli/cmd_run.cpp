@@ -13,7 +13,7 @@ namespace {
 
 struct RunOptions {
   JobOptions job;
-  std::string jsonFile, recordFile, inputsFile, checkpointFile, resumeFile;
+  std::string jsonFile, recordFile, inputsFile, sensorFile, checkpointFile, resumeFile;
   int checkpointInterval = 0;
   PictureOptions picture;
   bool quiet = false;
@@ -23,13 +23,14 @@ struct RunOptions {
 };
 
 int run(RunOptions options) {
-  for (std::string* file :
-       {&options.jsonFile, &options.recordFile, &options.inputsFile, &options.picture.file})
+  for (std::string* file : {&options.jsonFile, &options.recordFile, &options.inputsFile, &options.sensorFile,
+                            &options.picture.file})
     *file = outputOfProcess(*file);
   if (options.checkpointFile.empty() != (options.checkpointInterval == 0))
     throw Error("--checkpoint", "a file and --every N", "one of them");
   if (!Processes::isFirst()) options.checkpointFile.clear();
-  for (const std::string& file : {options.jsonFile, options.recordFile, options.inputsFile})
+  for (const std::string& file :
+       {options.jsonFile, options.recordFile, options.inputsFile, options.sensorFile})
     requireWritable(file);
   PreparedJob prepared = prepareJob(options.job);
   prepared.world.timings = !options.noStages;
@@ -42,6 +43,7 @@ int run(RunOptions options) {
   session.series = options.series;
   session.recordFile = options.recordFile;
   session.inputsFile = options.inputsFile;
+  session.sensorFile = options.sensorFile;
   session.look = lookOf(options.picture);
   session.pictures = picturesOf(options.picture, prepared.steps);
   const SessionResult result = runSession(std::move(prepared), session);
@@ -86,6 +88,10 @@ void addRun(CLI::App& app, int& status) {
   command
       ->add_option("--record-inputs", options->inputsFile,
                    "Write every call that changes the world, and hashes of its tables, for 'rubble replay'")
+      ->type_name("FILE");
+  command
+      ->add_option("--sensors", options->sensorFile,
+                   "Write the readings of the sensors of the scene after each step, as CSV")
       ->type_name("FILE");
   command
       ->add_option("--checkpoint", options->checkpointFile,

@@ -102,6 +102,8 @@ scenes::Job jobOf(io::SceneFile scene) {
   job.probes = probesFor(scene);
   job.camera = scene.camera ? scenes::Camera{scene.camera->eye, scene.camera->target}
                             : cameraShowing(scene.scene, {}, scene.smashStep >= 0);
+  job.appearance = std::move(scene.appearance);
+  job.sensors = std::move(scene.sensors);
   job.steps = scene.steps;
   job.iterations = scene.iterations;
   job.substeps = scene.substeps;
@@ -119,6 +121,8 @@ io::SceneFile fileOf(const scenes::Job& job) {
     if (metricFault(file, claim.metric).empty())
       file.claims.push_back({claim.metric, claim.min, claim.max, claim.why});
   file.camera = io::FileCamera{job.camera.eye, job.camera.target};
+  file.appearance = job.appearance;
+  file.sensors = job.sensors;
   file.steps = job.steps;
   file.iterations = job.iterations;
   file.substeps = job.substeps;

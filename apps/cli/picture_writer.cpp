@@ -13,7 +13,7 @@ constexpr int kSamplesGpu = 32, kSamplesSoftware = 8;
 }  // namespace
 
 PictureWriter::PictureWriter(const std::vector<PictureRequest>& requests, const Look& look,
-                             const Vec3& gravity, const scenes::Camera& camera,
+                             const Vec3& gravity, const scenes::Camera& camera, const Appearance& appearance,
                              const std::vector<io::PictureBody>& atStart)
     : look_(look), gravity_(gravity), camera_(camera) {
   if (requests.empty()) return;
@@ -21,8 +21,9 @@ PictureWriter::PictureWriter(const std::vector<PictureRequest>& requests, const 
     due_.push_back({request.afterSteps, render::pictureFile(request.file)});
   device_ = render::makePaintDevice();
   const int samples = device_->isSoftware() ? kSamplesSoftware : kSamplesGpu;
-  painter_ = device_->painter(atStart, gravity, cameraFor(atStart),
-                              {look.width, look.height, samples, look.colorBy});
+  render::PaintSettings settings{look.width, look.height, samples, look.colorBy};
+  settings.appearance = appearance;
+  painter_ = device_->painter(atStart, gravity, cameraFor(atStart), settings);
 }
 
 bool PictureWriter::isDue(int steps) const {

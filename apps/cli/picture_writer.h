@@ -15,7 +15,8 @@ class PictureWriter {
   /// for one that shows everything. Throws Error if the pictures cannot be drawn or written. Nothing is
   /// made ready if there are no requests.
   PictureWriter(const std::vector<PictureRequest>& requests, const Look& look, const Vec3& gravity,
-                const scenes::Camera& camera, const std::vector<io::PictureBody>& atStart);
+                const scenes::Camera& camera, const Appearance& appearance,
+                const std::vector<io::PictureBody>& atStart);
 
   /// Is a picture due after so many steps?
   bool isDue(int steps) const;

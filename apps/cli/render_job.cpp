@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "io/output_file.h"
 
@@ -42,11 +43,22 @@ class Side {
 
   /// Chooses the camera for these moments of the run. Call before paint().
   void plan(std::span<const std::vector<io::PictureBody>> moments) {
-    plan_.emplace(planOf(options_.camera, *source_, moments, width_, height_, options_.fieldOfView));
+    const std::vector<NamedCamera>& own = source_->appearance().cameras;
+    const auto named = std::ranges::find(own, options_.camera, &NamedCamera::name);
+    if (named != own.end()) {
+      named_ = *named;
+    } else if (std::ranges::count(cameraNames(), options_.camera) == 0) {
+      std::vector<std::string> known = cameraNames();
+      for (const NamedCamera& camera : own) known.push_back(camera.name);
+      throw Error("--camera", fmt::format("one of {}", fmt::join(known, ", ")), options_.camera);
+    }
+    plan_.emplace(
+        planOf(named_ ? "scene" : options_.camera, *source_, moments, width_, height_, options_.fieldOfView));
     render::PaintSettings settings{width_, height_, samples_, options_.colorBy, options_.colorMax};
     settings.background = options_.background;
     settings.transparent = options_.transparent;
     settings.sun = options_.sun;
+    settings.appearance = source_->appearance();
     painter_ = device_.painter(plan_->shown(start_), source_->gravity(), cameraAt(start_, 0), settings);
   }
   std::vector<std::vector<io::PictureBody>> startAndNow() { return {start_, current().bodies}; }
@@ -113,6 +125,10 @@ class Side {
 
   render::Camera cameraAt(std::span<const io::PictureBody> bodies, double filmTime) const {
     render::Camera camera = plan_->camera(bodies);
+    if (named_) {
+      camera.eye = named_->eye, camera.target = named_->target;
+      camera.fieldOfView = named_->fieldOfView.value_or(camera.fieldOfView);
+    }
     if (options_.path) camera = options_.path->at(filmTime, camera);
     if (options_.eye) camera.eye = *options_.eye;
     if (options_.target) camera.target = *options_.target;
@@ -128,6 +144,7 @@ class Side {
   bool seen_ = false;         ///< `current_` is of the step that the source stands at
   bool hasPrevious_ = false;  ///< `previous_` is of the one before
   std::vector<io::PictureBody> start_;
+  std::optional<NamedCamera> named_;  ///< of the scene, if it has one of the name that is asked for
   std::optional<render::ViewPlan> plan_;
   std::unique_ptr<render::Painter> painter_;
 };

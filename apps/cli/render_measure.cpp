@@ -38,7 +38,7 @@ class Measurement {
                          options.fieldOfView)),
         runner_(std::move(prepared_.job), prepared_.world),
         stage_(io::pictureBodies(runner_.world()), runner_.world().gravity(), camera_, options.width,
-               options.height) {
+               options.height, runner_.job().appearance) {
     quality_.samples = std::max(1, options.samples);
     stage_.follow(runner_.world());
   }

@@ -58,6 +58,7 @@ class Simulation final : public MomentSource {
     return moments;
   }
   scenes::Camera camera() const override { return runner_.job().camera; }
+  const Appearance& appearance() const override { return runner_.job().appearance; }
   bool smashes() const override { return runner_.job().smashStep >= 0; }
   std::string title() const override { return title_; }
   std::string label() const override { return label_; }
@@ -118,6 +119,7 @@ class Recording final : public MomentSource {
     return moments;
   }
   scenes::Camera camera() const override { return {}; }
+  const Appearance& appearance() const override { return reader_.header().appearance; }
   bool smashes() const override { return true; }
   std::string title() const override { return reader_.header().scene; }
   std::string label() const override { return ""; }

@@ -41,6 +41,7 @@ class MomentSource {
   virtual std::vector<std::vector<io::PictureBody>> course() const = 0;
   /// Camera of the scene; eye at target if it has none.
   virtual scenes::Camera camera() const = 0;
+  virtual const Appearance& appearance() const = 0;
   virtual bool smashes() const = 0;
   virtual std::string title() const = 0;
   /// What it is run with: "cpu, 4 iterations"; "" for a recording.

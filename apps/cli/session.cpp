@@ -22,12 +22,13 @@ namespace {
 /// Feeds a recording, if there is one.
 class Recorder {
  public:
-  Recorder(const std::string& file, const std::string& title, World& world) {
+  Recorder(const std::string& file, const std::string& title, const Appearance& appearance, World& world) {
     if (file.empty()) return;
     io::requireRecordingName(file);
     learn(world);
     const double resolution = io::recordingResolution(bodies_, io::recordedSofts(world));
-    writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), resolution});
+    writer_.emplace(file,
+                    io::RecordingHeader{title, world.params().dt, world.gravity(), resolution, appearance});
     record(world);
   }
 
@@ -104,6 +105,41 @@ void writeCheckpoint(const std::string& file, const std::string& scene, const Wo
   out.finish();
 }
 
+/// Writes the readings of all sensors, a row for each step.
+class SensorLog {
+ public:
+  SensorLog(const std::string& file, const std::vector<SensorDef>& sensors, World& world) {
+    if (file.empty()) return;
+    if (sensors.empty()) throw Error("--sensors", "a scene with sensors", "one without");
+    sensors_.emplace(sensors, world);
+    out_.emplace(file);
+    out_->stream() << "time";
+    for (std::size_t i = 0; i < sensors.size(); ++i) {
+      const std::string name = sensors[i].name.empty() ? fmt::format("sensor_{}", i) : sensors[i].name;
+      const int size = readingSize(sensors[i].type);
+      const char* const parts = size == 4 ? "wxyz" : "xyz";
+      for (int k = 0; k < size; ++k)
+        out_->stream() << ',' << (size == 1 ? name : fmt::format("{}.{}", name, parts[k]));
+    }
+    out_->stream() << '\n';
+    write(world);
+  }
+  void write(World& world) {
+    if (!sensors_) return;
+    sensors_->update(world);
+    out_->stream() << fmt::format("{}", world.time());
+    for (const double value : sensors_->values()) out_->stream() << fmt::format(",{}", value);
+    out_->stream() << '\n';
+  }
+  void finish() {
+    if (out_) out_->finish();
+  }
+
+ private:
+  std::optional<Sensors> sensors_;
+  std::optional<io::OutputFile> out_;
+};
+
 }  // namespace
 
 SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
@@ -122,10 +158,12 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   std::optional<io::InputLog> inputs;
   if (!options.inputsFile.empty())
     inputs.emplace(options.inputsFile, runner.job().scene, prepared.world, runner.world());
-  Recorder recorder(options.recordFile, prepared.title, runner.world());
+  Recorder recorder(options.recordFile, prepared.title, runner.job().appearance, runner.world());
+  SensorLog sensors(options.sensorFile, runner.job().sensors, runner.world());
   Progress progress(prepared.title, prepared.steps, options.quiet);
   const bool draws = !options.pictures.empty();
   PictureWriter pictures(options.pictures, options.look, runner.world().gravity(), runner.job().camera,
+                         runner.job().appearance,
                          draws ? io::pictureBodies(runner.world()) : std::vector<io::PictureBody>());
   const auto takePictures = [&](const World& world, int stepsTaken) {
     if (pictures.isDue(stepsTaken)) pictures.take(stepsTaken, io::pictureBodies(world, options.look.colorBy));
@@ -151,6 +189,7 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
           series.penetration.push_back(now.penetration.max);
         }
         recorder.record(runner.world());
+        sensors.write(runner.world());
         if (options.checkpointInterval > 0 && (taken + step + 1) % options.checkpointInterval == 0)
           writeCheckpoint(options.checkpointFile, scene, world);
         takePictures(world, taken + step + 1);
@@ -158,6 +197,7 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
         return true;
       });
   recorder.finish();
+  sensors.finish();
   if (inputs) inputs->finish();
   io::RunRecord record = makeRecord(prepared, runner.job(), smashStep, result,
                                     quality.value_or(result.quality));

@@ -13,6 +13,7 @@ struct SessionOptions {
   bool quiet = false;      ///< no progress on standard error
   std::string recordFile;  ///< "" for none
   std::string inputsFile;  ///< of the log of inputs; "" for none
+  std::string sensorFile;  ///< of the readings of sensors, as CSV; "" for none
   std::vector<PictureRequest> pictures;
   Look look;
   std::string checkpointFile;  ///< of the state; "" for none

@@ -56,6 +56,7 @@ class Player final : public Session {
   std::vector<io::PictureBody> framed() override { return io::pictureBodies(job().scene, true); }
   Vec3 gravity() const override { return runners_.front()->world().gravity(); }
   scenes::Camera camera() const override { return runners_.front()->job().camera; }
+  const Appearance& appearance() const override { return job().appearance; }
   double time() const override { return runners_.front()->world().time(); }
   double dt() const override { return runners_.front()->world().params().dt; }
   std::int64_t now() const override { return runners_.front()->world().stepCount(); }

@@ -14,6 +14,7 @@ class RecordingSession final : public Session {
   std::vector<io::PictureBody> bodies(int side, io::ColorBy colorBy) override;
   std::vector<io::PictureBody> framed() override { return io::pictureBodies(reader_, 0); }
   Vec3 gravity() const override { return reader_.header().gravity; }
+  const Appearance& appearance() const override { return reader_.header().appearance; }
   double time() const override { return frame_.time; }
   double dt() const override { return reader_.header().dt; }
   std::int64_t now() const override { return frame_.step; }

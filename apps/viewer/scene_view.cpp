@@ -60,7 +60,8 @@ void SceneView::begin(Session& session, int width, int height) {
   orbit = Orbit(cameraShowing(session, sideWidth, height));
   for (int side = 0; side < session.sides(); ++side)
     stages_.push_back(std::make_unique<render::Stage>(session.bodies(side, io::ColorBy::Body),
-                                                      session.gravity(), orbit.camera(), sideWidth, height));
+                                                      session.gravity(), orbit.camera(), sideWidth, height,
+                                                      session.appearance()));
 }
 
 void SceneView::draw(Session& session, UiState& uiState, int width, int height) {

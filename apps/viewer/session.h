@@ -29,6 +29,7 @@ class Session {
   virtual std::vector<io::PictureBody> framed() = 0;
   virtual Vec3 gravity() const = 0;
   virtual scenes::Camera camera() const { return {}; }
+  virtual const Appearance& appearance() const = 0;
 
   virtual double time() const = 0;        ///< [s]
   virtual double dt() const = 0;          ///< [s]

@@ -1,5 +1,6 @@
 #include "convert/out/export.h"
 
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <future>
@@ -41,27 +42,31 @@ ExportResult exportRecording(io::RecordingReader& recording, const std::string& 
   ExportResult result;
   if (recording.frameCount() == 0) throw Error("recording", "frames", "none");
   ExportOptions chosen = options;
-  if (std::filesystem::path(file).extension() == ".obj" && !isNumbered(file)) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (ending == ".obj" && !isNumbered(file)) {
     // One file holds one frame: the last one.
     if (chosen.to < 0) chosen.to = recording.frameCount() - 1;
     chosen.from = chosen.to;
   }
-  FrameSource source(recording, chosen);
+  const bool isTable = ending == ".csv" || ending == ".npz";
+  FrameSource source(recording, chosen, !isTable);
   const ExportJob job{file, chosen, source, result.notes};
   const std::unique_ptr<FrameWriter> writer = writerFor(job);
   const int count = source.count();
   result.kept = writer->kept();
   // The next frame is decoded while one is written.
+  std::array<ExportFrame, 2> frames;
   const auto readFrame = [&](int number) {
-    return std::async(std::launch::async, [&source, number] { return source.read(number); });
+    ExportFrame& into = frames[static_cast<std::size_t>(number % 2)];
+    return std::async(std::launch::async, [&source, number, &into] { source.read(number, into); });
   };
-  std::future<ExportFrame> next;
+  std::future<void> next;
   if (result.kept < count) next = readFrame(result.kept);
   for (int number = result.kept; number < count; ++number) {
-    const ExportFrame frame = next.get();
+    next.get();
     if (number + 1 < count) next = readFrame(number + 1);
     const Clock::time_point start = Clock::now();
-    writer->write(frame);
+    writer->write(frames[static_cast<std::size_t>(number % 2)]);
     result.writeSeconds += secondsSince(start);
     ++result.frames;
     if (options.progress) options.progress(number + 1, count);

@@ -24,7 +24,63 @@ std::string uniqueName(std::string name, const std::string& kind, int index, std
 
 }  // namespace
 
-FrameSource::FrameSource(io::RecordingReader& recording, const ExportOptions& options)
+void FrameSource::findLooks(bool withLooks) {
+  const std::vector<Look>& looks = recording_.header().appearance.looks;
+  if (!withLooks || looks.empty()) return;
+  for (const Look& look : looks) {
+    if (look.body == kWorld) scenery_.push_back(&look);
+    for (const io::RecordedBody& body : recording_.bodies(0))
+      if (body.id.index == look.body) looks_[{body.id.index, body.id.generation}] = &look;
+  }
+}
+
+FrameSource::Rows FrameSource::bodyRows(const std::vector<io::RecordedBody>& bodies) {
+  Rows rows;
+  const auto add = [&](const Id& id, int row, const io::RecordedBody& body, const Look* look) {
+    const auto [at, isNew] = bodyNumbers_.try_emplace(id);
+    for (std::size_t k = 0; k < (look ? look->parts.size() : 1); ++k) {
+      const LookPart* const part = look ? &look->parts[k] : nullptr;
+      if (isNew) {
+        at->second.push_back(static_cast<int>(cast_.bodies.size()));
+        CastBody& added = cast_.bodies.emplace_back(CastBody{body});
+        if (part) added.shape = part->shape, added.color = part->color;
+        cast_.bodyNames.push_back(uniqueName(body.name, "body", body.id.index, names_));
+      }
+      rows.bodies.push_back(at->second[k]);
+      if (!looks_.empty() || !scenery_.empty()) rows.pieces.push_back({row, part});
+    }
+  };
+  for (std::size_t k = 0; k < scenery_.size(); ++k) {
+    const Id none{-1, static_cast<std::uint32_t>(k)};
+    add(none, -1, {"scenery", {}, Motion::Static, {}}, scenery_[k]);
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Id id{bodies[i].id.index, bodies[i].id.generation};
+    const auto look = looks_.find(id);
+    add(id, static_cast<int>(i), bodies[i], look == looks_.end() ? nullptr : look->second);
+  }
+  return rows;
+}
+
+const io::RecordedFrame& FrameSource::frameOf(int index) {
+  const io::RecordedFrame& frame = recording_.view(index);
+  const std::vector<Piece>& pieces = rowsOf(index).pieces;
+  if (pieces.empty()) return frame;
+  pieced_.step = frame.step, pieced_.time = frame.time, pieced_.vertices = frame.vertices;
+  pieced_.poses.clear();
+  for (const Piece& piece : pieces) {
+    const io::RecordedPose body = piece.row < 0 ? io::RecordedPose{}
+                                                : frame.poses[static_cast<std::size_t>(piece.row)];
+    pieced_.poses.push_back(body);
+    if (!piece.part) continue;
+    io::RecordedPose& pose = pieced_.poses.back();
+    pose.position += rotate(body.orientation, piece.part->position);
+    pose.orientation = normalize(body.orientation * piece.part->orientation);
+  }
+  return pieced_;
+}
+
+FrameSource::FrameSource(io::RecordingReader& recording, const ExportOptions& options, bool withLooks)
     : recording_(recording), from_(options.from), every_(options.every), changes_(recording.changes()) {
   const int last = options.to < 0 ? recording.frameCount() - 1 : options.to;
   if (every_ < 1) throw Error("--every", "a number of frames above 0", std::to_string(every_));
@@ -36,22 +92,15 @@ FrameSource::FrameSource(io::RecordingReader& recording, const ExportOptions& op
   interval_ = recording.frame(next).time - recording.frame(from_).time;
   if (!(interval_ > 0)) interval_ = recording.header().dt;
 
-  std::map<std::pair<std::int32_t, std::uint32_t>, int> bodyNumber, softNumber;
-  std::set<std::string> bodyNames, softNames;
+  findLooks(withLooks);
+  std::map<Id, int> softNumber;
+  std::set<std::string> softNames;
   std::vector<std::size_t> used;
   for (std::size_t k = 0; k < changes_.size(); ++k) {
     Rows& rows = rows_.emplace_back();
     if (changes_[k] > last) break;
     if (k + 1 < changes_.size() && changes_[k + 1] <= from_) continue;
-    for (const io::RecordedBody& body : recording.bodies(changes_[k])) {
-      const auto [at, isNew] = bodyNumber.try_emplace({body.id.index, body.id.generation},
-                                                      static_cast<int>(cast_.bodies.size()));
-      if (isNew) {
-        cast_.bodies.push_back(body);
-        cast_.bodyNames.push_back(uniqueName(body.name, "body", body.id.index, bodyNames));
-      }
-      rows.bodies.push_back(at->second);
-    }
+    rows = bodyRows(recording.bodies(changes_[k]));
     for (const io::RecordedSoft& soft : recording.softs(changes_[k])) {
       const auto [at, isNew] = softNumber.try_emplace({soft.id.index, soft.id.generation},
                                                       static_cast<int>(cast_.softs.size()));
@@ -74,59 +123,68 @@ const FrameSource::Rows& FrameSource::rowsOf(int index) {
   return rows_[static_cast<std::size_t>(next - changes_.begin()) - 1];
 }
 
-ExportFrame FrameSource::read(int number) {
+int FrameSource::neighborOf(int index) const {
+  return index > 0 ? index - 1 : std::min(1, recording_.frameCount() - 1);
+}
+
+void FrameSource::keep(int index, const io::RecordedFrame& frame) {
+  last_.index = index, last_.time = frame.time;
+  last_.positions.resize(frame.poses.size());
+  for (std::size_t i = 0; i < frame.poses.size(); ++i) last_.positions[i] = frame.poses[i].position;
+  last_.vertices = frame.vertices;
+}
+
+void FrameSource::read(int number, ExportFrame& out) {
   const int index = from_ + number * every_;
-  io::RecordedFrame frame = recording_.frame(index);
   const Rows& rows = rowsOf(index);
-  ExportFrame out;
+  // frames that are read one by one have their neighbor; reading it again would take as long as this one
+  if (const int other = neighborOf(index); last_.index != other) keep(other, frameOf(other));
+  const io::RecordedFrame& frame = frameOf(index);
   out.number = number;
   out.newObjects = number == 0 || &rows != &rowsOf(index - every_);
   out.step = frame.step, out.time = frame.time;
   out.bodies = rows.bodies, out.softs = rows.softs;
-  if (!rows.softs.empty()) out.looks = recording_.softs(index);
+  out.poses = frame.poses, out.vertices = frame.vertices;
   fillVelocities(index, frame, rows, out);
-  last_ = frame, lastIndex_ = index;
-  out.poses = std::move(frame.poses), out.vertices = std::move(frame.vertices);
-  return out;
+  keep(index, frame);
+  if (!rows.softs.empty()) out.looks = recording_.softs(index);
 }
 
 void FrameSource::fillVelocities(int index, const io::RecordedFrame& frame, const Rows& rows,
                                  ExportFrame& out) {
-  out.velocities.assign(frame.poses.size(), {});
+  const Rows& before = rowsOf(neighborOf(index));
+  const double apart = frame.time - last_.time;
+  const bool sameBodies = &before == &rows || before.bodies == rows.bodies;
+  out.velocities.resize(frame.poses.size());
+  if (!sameBodies || apart == 0) std::fill(out.velocities.begin(), out.velocities.end(), Vec3{});
   out.vertexVelocities.assign(frame.vertices.size(), {});
-  const int other = index > 0 ? index - 1 : std::min(1, recording_.frameCount() - 1);
-  const Rows& before = rowsOf(other);
   // Rows are made for the exported frames alone.
-  if (before.bodies.empty() && before.softs.empty()) return;
-  // decoding the chunk of frames before this one again would take as long as this one
-  if (lastIndex_ != other) last_ = recording_.frame(other);
-  const io::RecordedFrame& neighbor = last_;
-  const double apart = frame.time - neighbor.time;
-  if (apart == 0) return;
+  if (apart == 0 || (before.bodies.empty() && before.softs.empty())) return;
   const double rate = 1 / apart;
-  if (&before == &rows || before.bodies == rows.bodies) {
+  if (sameBodies) {
     for (std::size_t i = 0; i < frame.poses.size(); ++i)
-      out.velocities[i] = (frame.poses[i].position - neighbor.poses[i].position) * rate;
+      out.velocities[i] = (frame.poses[i].position - last_.positions[i]) * rate;
   } else {
     std::vector<int> rowOf(cast_.bodies.size(), -1);
     for (std::size_t i = 0; i < before.bodies.size(); ++i)
       rowOf[static_cast<std::size_t>(before.bodies[i])] = static_cast<int>(i);
     for (std::size_t i = 0; i < frame.poses.size(); ++i) {
       const int row = rowOf[static_cast<std::size_t>(rows.bodies[i])];
-      if (row < 0) continue;
-      const Vec3& from = neighbor.poses[static_cast<std::size_t>(row)].position;
-      out.velocities[i] = (frame.poses[i].position - from) * rate;
+      if (row >= 0)
+        out.velocities[i] = (frame.poses[i].position - last_.positions[static_cast<std::size_t>(row)]) * rate;
     }
   }
-  if (before.softs != rows.softs || neighbor.vertices.size() != frame.vertices.size()) return;
+  if (before.softs != rows.softs || last_.vertices.size() != frame.vertices.size()) return;
   for (std::size_t i = 0; i < frame.vertices.size(); ++i)
-    out.vertexVelocities[i] = (frame.vertices[i] - neighbor.vertices[i]) * rate;
+    out.vertexVelocities[i] = (frame.vertices[i] - last_.vertices[i]) * rate;
 }
 
-Vec3 ExportJob::colorOf(const io::RecordedBody& body, const io::RecordedPose& pose) const {
+Vec3 ExportJob::colorOf(const CastBody& body, const io::RecordedPose& pose) const {
   if (!options.color) return kGray;
-  return options.color({body.shape, pose.position, pose.orientation, 0,
-                        static_cast<std::uint32_t>(body.id.index), body.motion});
+  io::PictureBody drawn{
+      body.shape, pose.position, pose.orientation, 0, static_cast<std::uint32_t>(body.id.index), body.motion};
+  drawn.color = body.color;
+  return options.color(drawn);
 }
 
 Vec3 ExportJob::colorOf(const io::RecordedSoft& soft) const {

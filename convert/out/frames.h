@@ -2,6 +2,8 @@
 /// Frames of a recording as exporters read them.
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -9,9 +11,14 @@
 
 namespace rubble::convert {
 
+/// A body, or a drawn part of one.
+struct CastBody : io::RecordedBody {
+  std::optional<Vec3> color = {};  ///< as PictureBody
+};
+
 /// All bodies and deformable objects of a recording, in the order in which they appear first.
 struct Cast {
-  std::vector<io::RecordedBody> bodies;
+  std::vector<CastBody> bodies;
   std::vector<io::RecordedSoft> softs;
   std::vector<std::size_t> firstVertices;         ///< of each deformable object among the vertices of all
   std::size_t vertexCount = 0;                    ///< of all deformable objects
@@ -38,31 +45,57 @@ struct ExportFrame {
 /// of the recording those until the next one. Bodies that just appeared have none.
 class FrameSource {
  public:
-  /// Throws Error for frames that the recording lacks.
-  FrameSource(io::RecordingReader& recording, const ExportOptions& options);
+  /// `withLooks`: bodies are the parts that are drawn of them. Throws Error for frames that the recording
+  /// lacks.
+  FrameSource(io::RecordingReader& recording, const ExportOptions& options, bool withLooks);
 
   const Cast& cast() const { return cast_; }
   const io::RecordingHeader& header() const { return recording_.header(); }
   int count() const { return count_; }
   /// Time from one frame to the next [s].
   double interval() const { return interval_; }
-  ExportFrame read(int number);
+  /// Reads a frame into one that is not needed any more.
+  void read(int number, ExportFrame& out);
 
  private:
+  /// A part that is drawn: the row of its body in the recording, and its pose there.
+  struct Piece {
+    int row = -1;                    ///< -1: the world
+    const LookPart* part = nullptr;  ///< null: the body as it is
+  };
   struct Rows {
     std::vector<int> bodies, softs;
+    std::vector<Piece> pieces;  ///< of `bodies`; empty: bodies as they are
   };
+  void findLooks(bool withLooks);
+  Rows bodyRows(const std::vector<io::RecordedBody>& bodies);
+  /// A frame with a pose for each of its rows, valid until the next call.
+  const io::RecordedFrame& frameOf(int index);
+  /// Places of a frame, for the velocities of another one.
+  struct Places {
+    int index = -1;  ///< -1: none
+    double time = 0;
+    std::vector<Vec3> positions, vertices;
+  };
+  void keep(int index, const io::RecordedFrame& frame);
   const Rows& rowsOf(int index);
+  /// The frame that velocities of another one are measured from.
+  int neighborOf(int index) const;
   void fillVelocities(int index, const io::RecordedFrame& frame, const Rows& rows, ExportFrame& out);
 
   io::RecordingReader& recording_;
   int from_, every_, count_;
   double interval_ = 0;
   Cast cast_;
+  using Id = std::pair<std::int32_t, std::uint32_t>;
+  std::map<Id, const Look*> looks_;             ///< of bodies
+  std::vector<const Look*> scenery_;            ///< of the world
+  std::map<Id, std::vector<int>> bodyNumbers_;  ///< in Cast::bodies
+  std::set<std::string> names_;                 ///< of these
   std::vector<int> changes_;
-  std::vector<Rows> rows_;  ///< of the tables that begin at each of `changes_`
-  io::RecordedFrame last_;  ///< the frame that was read last
-  int lastIndex_ = -1;      ///< its index
+  std::vector<Rows> rows_;    ///< of the tables that begin at each of `changes_`
+  Places last_;               ///< of the frame that was read last, or of a neighbor
+  io::RecordedFrame pieced_;  ///< with the poses of drawn parts
 };
 
 /// Writes one format. Frames come in order.
@@ -82,7 +115,7 @@ struct ExportJob {
   const FrameSource& source;
   std::vector<std::string>& notes;
 
-  Vec3 colorOf(const io::RecordedBody& body, const io::RecordedPose& pose) const;
+  Vec3 colorOf(const CastBody& body, const io::RecordedPose& pose) const;
   Vec3 colorOf(const io::RecordedSoft& soft) const;
 };
 

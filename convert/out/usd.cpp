@@ -211,17 +211,20 @@ class UsdWriter final : public FrameWriter {
   }
 
   template <class Put> void putPoses(const Group& group, const ExportFrame& frame, const Put& put) {
-    positions_.clear(), velocities_.clear(), orientations_.clear(), halfs_.clear();
-    for (std::size_t row = 0; row < frame.bodies.size(); ++row) {
+    const std::size_t most = frame.bodies.size();
+    positions_.resize(most), velocities_.resize(most), orientations_.resize(most), halfs_.resize(most);
+    std::size_t count = 0;
+    for (std::size_t row = 0; row < most; ++row) {
       if (isMoving_[static_cast<std::size_t>(frame.bodies[row])] != group.moves) continue;
       const io::RecordedPose& pose = frame.poses[row];
-      positions_.push_back(narrow(pose.position));
-      velocities_.push_back(narrow(frame.velocities[row]));
+      positions_[count] = narrow(pose.position);
+      velocities_[count] = narrow(frame.velocities[row]);
       const Quat4f q{static_cast<float>(pose.orientation.v.x), static_cast<float>(pose.orientation.v.y),
                      static_cast<float>(pose.orientation.v.z), static_cast<float>(pose.orientation.s)};
-      orientations_.push_back(q);
-      halfs_.push_back({toHalf(q[0]), toHalf(q[1]), toHalf(q[2]), toHalf(q[3])});
+      orientations_[count] = q;
+      halfs_[count++] = {toHalf(q[0]), toHalf(q[1]), toHalf(q[2]), toHalf(q[3])};
     }
+    positions_.resize(count), velocities_.resize(count), orientations_.resize(count), halfs_.resize(count);
     put(group.positions, spanOf(positions_));
     put(group.orientations, spanOf(halfs_));
     put(group.fineOrientations, spanOf(orientations_));

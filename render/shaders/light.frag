@@ -118,7 +118,7 @@ void shade() {
   float height = dot(normal, up);
 
   bool isMetal = finish == 2;
-  float roughness = isMetal ? 0.42 : finish == 3 ? 0.40 : 0.82;
+  float roughness = isMetal ? 0.42 : finish == 3 || finish == 6 ? 0.40 : 0.82;
   vec3 halfway = normalize(toSun - toward);
   float nh = max(dot(normal, halfway), 0.0), nv = max(dot(normal, -toward), 0.02);
   float a2 = roughness * roughness * roughness * roughness;

@@ -11,7 +11,7 @@ uniform float gridCell;    // of the lines on planes [m]
 uniform int selected;      // slot + 1, or 0
 uniform float heatStops[18];
 
-const int kStone = 1, kMetal = 2, kPlastic = 3, kGround = 4, kCloth = 5;
+const int kStone = 1, kMetal = 2, kPlastic = 3, kGround = 4, kCloth = 5, kPaint = 6;
 
 float hash(vec3 p) {
   p = fract(p * vec3(0.1031, 0.1030, 0.0973));
@@ -107,8 +107,8 @@ void shade() {
     float away = dot(normal, normalize(ray));
     bool isRigidMesh = !isRound && (code & 32) == 0;
     if (finish == kCloth ? away > 0.0 : isRigidMesh && away > 0.1) normal = -normal;
-    // Sectors in two shades make rolling visible.
-    if (isRound) {
+    // Sectors in two shades make rolling visible. What has a color of its own has that alone.
+    if (isRound && finish != kPaint) {
       float sectors = (local.x > 0.0 ? 1.0 : 0.0) + (local.y > 0.0 ? 1.0 : 0.0) + (local.z > 0.0 && size.w == 0.0 ? 1.0 : 0.0);
       albedo *= mod(sectors, 2.0) < 0.5 ? 1.0 : (finish == kMetal ? 0.80 : 0.72);
     }

@@ -74,6 +74,28 @@ class Export(unittest.TestCase):
         self.rubble("export", self.scene, "-q", "-b", "cpu", "-o", self.path("direct.csv"))
         self.assertEqual(self.rows("direct.csv"), self.rows())
 
+    def test_pictures_have_the_parts_of_a_look_and_tables_its_body(self):
+        ball = {"type": "sphere", "radius": 0.5}
+        scene = {"name": "look", "gravity": [0, 0, 0], "steps": 2,
+                 "bodies": [{"name": "crate", "shape": {"type": "box", "size": [1, 1, 1]},
+                             "position": [0, 0, 5], "orientation": {"axis": [0, 1, 0], "degrees": 90}}],
+                 "looks": [{"body": "crate", "parts": [
+                     {"shape": ball, "position": [0, 0, 2], "color": [1, 0, 0]}, {"color": [0, 0, 1]}]},
+                     {"body": "world", "parts": [{"shape": ball, "position": [7, 0, 0]}]}]}
+        file = self.path("look.json")
+        pathlib.Path(file).write_text(json.dumps(scene))
+        for name in ("look.usda", "look.csv"):
+            self.rubble("export", file, "-q", "-b", "cpu", "-o", self.path(name))
+        text = pathlib.Path(self.path("look.usda")).read_text()
+        self.assertRegex(text, r"displayColor = \[\(1, 0, 0\), \(0, 0, 1\)\]")
+        moving = text[text.index('"moving"'):text.index('"still"')]
+        first = re.search(r"positions.timeSamples = \{\s*0: \[\(([^)]*)\), \(([^)]*)\)\]", moving)
+        for found, expected in zip(first.groups(), ([2, 0, 5], [0, 0, 5])):
+            for number, wanted in zip(found.split(","), expected):
+                self.assertAlmostEqual(float(number), wanted, 4)
+        self.assertIn("(7, 0, 0)", text[text.index('"still"'):])
+        self.assertEqual({r["object"] for r in self.rows("look.csv")}, {"crate"})
+
     def test_frames_can_be_chosen(self):
         self.rubble("export", self.recording, "-q", "-o", self.path("some.csv"), "--from", 4, "--to", 20,
                     "--every", 8)

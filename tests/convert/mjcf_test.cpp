@@ -176,11 +176,11 @@ TEST(Mjcf, AKeyframeIsTheStartOfTheScene) {
 
 TEST(Mjcf, TheReportTellsWhatIsLostWithItsLine) {
   const Import model = importText(
-      mjcf("\n<body><joint name='j' springyield='1'/>\n<geom size='1' shade='red' rgba='1 0 0 1'/>"
+      mjcf("\n<body><joint name='j' springyield='1'/>\n<geom size='1' shade='red' solmix='2'/>"
            "<composite/></body>"));
   EXPECT_EQ(effectsOf(model, "joint.springyield"), std::vector{Effect::Lost});
   EXPECT_EQ(effectsOf(model, "geom.shade"), std::vector{Effect::Lost});
-  EXPECT_EQ(effectsOf(model, "geom.rgba"), std::vector{Effect::None});
+  EXPECT_EQ(effectsOf(model, "geom.solmix"), std::vector{Effect::None});
   EXPECT_EQ(effectsOf(model, "composite"), std::vector{Effect::Lost});
   for (const convert::Note& note : model.report.notes)
     if (note.what == "geom.shade") {
@@ -388,6 +388,22 @@ TEST(Mjcf, TheWorldOfAnAttachedModelBecomesPartOfItsBody) {
   ASSERT_TRUE(camera);
   expectNear(camera->eye, {-3, 0, 5}, 1e-9);
   expectNear(normalize(camera->target - camera->eye), normalize(Vec3{4, 0, 2}), 1e-9);
+}
+
+TEST(Mjcf, FlexibleObjectsOfAttachedModelsMoveWithThem) {
+  const test::ModelFolder folder;
+  folder.write("part.xml",
+               mjcf("<body name='b' pos='0 0 1'><joint/><geom size='.1'/><flexcomp name='f' type='grid' "
+                    "dim='1' count='3 1 1' spacing='.5 1 1'><pin id='0'/></flexcomp></body>"));
+  const Import model = convert::importModel(folder.write(
+      "whole.xml", mjcf("<frame pos='3 0 0' euler='0 0 90'><attach model='m' body='b' prefix='p_'/></frame>",
+                        "<asset><model name='m' file='part.xml'/></asset>")));
+  const Scene& scene = model.file.scene;
+  ASSERT_EQ(scene.deformables.size(), 1u) << convert::textOf(model.report, true);
+  EXPECT_EQ(common(scene.deformables[0]).name, "p_f");
+  expectNear(common(scene.deformables[0]).vertices.at(0), {3, -0.5, 1}, 1e-9);
+  ASSERT_EQ(scene.attachments.size(), 1u);
+  EXPECT_EQ(scene.bodies.at(static_cast<std::size_t>(scene.attachments[0].body)).name, "p_b");
 }
 
 TEST(Mjcf, AttachedModelsKeepWhatJoinsTheirBodies) {

@@ -235,6 +235,25 @@ def compare_geoms(model, data, scene, name):
             check(label.replace("geom", "axis of geom", 1), abs(z @ theirs), 1)
 
 
+def compare_looks(model, scene, name):
+    """Colors of what the viewer of MuJoCo shows, apart from its usual gray and from textures."""
+    gray, own, theirs = (0.5, 0.5, 0.5), [], []
+    for look in scene.get("looks", []):
+        own += [tuple(np.round(part["color"], 5)) for part in look["parts"] if "color" in part]
+    for index in range(model.ngeom):
+        color, material = model.geom_rgba[index], model.geom_matid[index]
+        if material >= 0 and model.mat_texid[material].max() >= 0:
+            continue
+        if material >= 0 and np.allclose(color, [*gray, 1]):
+            color = model.mat_rgba[material]
+        if 0 <= model.geom_group[index] <= 2 and color[3] > 0:
+            theirs.append(tuple(np.round(color[:3].astype(float), 5)))
+    plain = [c for c in theirs if c != gray]
+    if sorted(c for c in own if c in plain) != sorted(plain):
+        problems.append(f"{name}: colors {sorted(own)} here, {sorted(plain)} in MuJoCo")
+    counts["colors"] = counts.get("colors", 0) + 3 * len(plain)
+
+
 def import_scene(rubble, file, folder, *options):
     scene = folder / (file.stem + ".json")
     run(rubble, "import", file, "-q", "-o", scene, *options)
@@ -265,6 +284,8 @@ def compare(rubble, file, folder):
     compare_joints(model, data, scene, name)
     compare_tendons(model, scene, name)
     compare_geoms(model, data, scene, name)
+    if file.suffix == ".xml":
+        compare_looks(model, scene, name)
 
 
 def positions(rubble, scene, bodies, steps, dt, folder, iterations="8"):
@@ -343,6 +364,49 @@ def compare_rest(rubble, name, key, bodies, folder, seconds=3.0, most=2e-4):
         problems.append(f"{name} {key}: at rest {1000 * worst:.2f} mm from MuJoCo, at most {1000 * most:.2f}")
 
 
+def compare_sensors(rubble, name, folder, seconds=0.4, most=5e-3):
+    """Readings after a time, over the largest one of each sensor until then."""
+    file = MODELS / (name + ".xml")
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    steps, substeps = 40, 40
+    dt = seconds / steps / substeps
+    model.opt.timestep, model.opt.integrator = dt, mujoco.mjtIntegrator.mjINT_RK4
+    theirs = []
+    for _ in range(steps * substeps):
+        mujoco.mj_step(model, data)
+        mujoco.mj_forward(model, data)
+        theirs.append(data.sensordata.copy())
+    theirs = np.array(theirs)
+    import_scene(rubble, file, folder)
+    readings = folder / "readings.csv"
+    run(rubble, "run", folder / (name + ".json"), "--backend", "reference", "--dt", dt, "--steps", len(theirs),
+        "--iterations", "20", "-q", "--sensors", readings)
+    with open(readings, encoding="utf-8") as lines:
+        names = lines.readline().strip().split(",")
+    own = np.loadtxt(readings, delimiter=",", skiprows=1)[1:]
+    compared, worst = 0, 0.0
+    for index in range(model.nsensor):
+        sensor = model.sensor(index)
+        columns = [k for k, column in enumerate(names) if column.split(".")[0] == sensor.name]
+        if not columns:
+            continue
+        at = model.sensor_adr[index]
+        expected = theirs[:, at:at + len(columns)]
+        if sensor.name == "tip_turn" and expected[-1] @ own[-1, columns] < 0:
+            expected = -expected
+        # contacts settle in MuJoCo, and its forces are those of the instant
+        last = slice(-20, None)
+        error = np.abs(own[last, columns].mean(0) - expected[last].mean(0)).max()
+        scale = max(np.abs(expected).max(), 1e-3)
+        compared, worst = compared + len(columns), max(worst, error / scale)
+        if not error < most * scale:
+            problems.append(f"{name} {sensor.name}: {own[last, columns].mean(0)} here, "
+                            f"{expected[last].mean(0)} in MuJoCo")
+    print(f"oracle: {compared} readings of {name}: at most {100 * worst:.3f} % from MuJoCo")
+    counts["readings"] = compared
+
+
 def main():
     rubble = str(pathlib.Path(sys.argv[1]).resolve())
     files = [pathlib.Path(f).resolve() for f in sys.argv[2:]]
@@ -370,6 +434,7 @@ def main():
             compare_motion(rubble, "two_tendons", ["a", "b", "c", "d"], 0.6, folder)
             compare_motion(rubble, "telescope", ["s1", "s4", "h1", "h4"], 0.4, folder)
             compare_motion(rubble, "cable", ["link2", "link6", "link11"], 0.96, folder)
+            compare_sensors(rubble, "sensors", folder)
             compare_rest(rubble, "soft_limits", "", ["slide", "flap", "tip", "a", "b", "ball"], folder)
             compare_rest(rubble, "drone", "hover", ["drone"], folder)
             compare_rest(rubble, "gripper", "half", ["left_follower", "right_follower"], folder, most=1e-3)

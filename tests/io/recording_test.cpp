@@ -212,6 +212,21 @@ TEST(Recording, FilesOfVersion1AreRead) {
 }
 #endif
 
+TEST(Recording, AnAppearanceComesBack) {
+  const TemporaryFile file;
+  RecordingHeader header{"seen", 1 / 60., {0, 0, -9.81}, kResolution};
+  header.appearance.looks = {{0, {{Shape::sphere(.5), {1, 2, 3}, {}, Vec3{.25, .5, 1}}}}};
+  header.appearance.toSun = Vec3{0, 0, 1};
+  header.appearance.cameras = {{"front", {1, 0, 0}, {}, 0.5}};
+  RecordingWriter(file.path, header).finish();
+  const Appearance read = RecordingReader(file.path).header().appearance;
+  ASSERT_EQ(read.looks.size(), 1u);
+  EXPECT_EQ(read.looks[0].parts.at(0).color, (Vec3{.25, .5, 1}));
+  EXPECT_EQ(read.looks[0].parts[0].position, (Vec3{1, 2, 3}));
+  EXPECT_EQ(read.toSun, (Vec3{0, 0, 1}));
+  EXPECT_EQ(read.cameras.at(0).name, "front");
+}
+
 TEST(Recording, AnEmptyRecordingIsGood) {
   const TemporaryFile file;
   write(file.path, {});

@@ -57,6 +57,20 @@ TEST_F(Rendering, ACubeCoversItsPixels) {
   }
 }
 
+TEST_F(Rendering, APartIsDrawnInPlaceOfItsBodyAndInItsColor) {
+  // the box, of 25 pixels each way, is drawn as a red ball of the same reach in its middle alone
+  const std::vector<io::PictureBody> bodies = numbered({bodyOf(Shape::box({2, 2, 2}))});
+  Appearance appearance;
+  appearance.looks = {{0, {{Shape::sphere(1), {}, {}, Vec3{1, 0, 0}}}}};
+  Stage stage(bodies, {0, 0, -9.81}, frontView(), kWidth, kHeight, appearance);
+  const io::Image picture = stage.picture(frontView(), {1, 1024, 2, 4});
+  const std::uint8_t* const middle = &picture.rgb[3 * (50 * kWidth + 100)];
+  EXPECT_GT(middle[0], 3 * middle[1]);
+  EXPECT_GT(middle[0], 3 * middle[2]);
+  EXPECT_EQ(stage.renderer().bodyAt(100, 50), 0);
+  EXPECT_EQ(stage.renderer().bodyAt(120, 50), -1) << "the body itself is drawn as well";
+}
+
 TEST_F(Rendering, ATurnedBoxCoversWhatItsCornersSpan) {
   // By 45 degrees about the line of sight, 1 m behind it in front: a diamond of half diagonal sqrt(2) m, 9 m
   // away.
