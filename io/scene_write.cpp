@@ -230,8 +230,8 @@ Json SceneWriter::write() {
     json["sensors"].push_back(sensorJson(
         added, [&](int body) { return bodyReference(body); }, [](int joint) { return Json(joint); }));
   for (const Look& added : file_.appearance.looks)
-    json["looks"].push_back(lookJson(
-        added, bodyReference(added.body), [this](const Shape& each) { return shapeOf(each); }));
+    json["looks"].push_back(
+        lookJson(added, bodyReference(added.body), [this](const Shape& each) { return shapeOf(each); }));
   for (const NamedCamera& added : file_.appearance.cameras) json["cameras"].push_back(namedCameraJson(added));
   for (const FileClaim& added : file_.claims) json["verdict"].push_back(claim(added));
   return json;

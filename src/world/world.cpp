@@ -26,7 +26,7 @@ std::string joined(const std::vector<std::string>& names) {
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   const std::string best = instructionSets().back(), given = options.instructionSet;
   const CpuOptions cpu{options.threads, options.timings, (given.empty() ? best : given) == "avx2",
-                       options.tasks, options.memory, options.backend == "backward"};
+                       options.tasks,   options.memory,  options.backend == "backward"};
   if (options.backend == "cpu" || cpu.backward) return f32::makeCpuEngine(cpu);
 #if defined(RUBBLE_HAS_REFERENCE)
   if (options.backend == "reference") return f64::makeCpuEngine(cpu);

@@ -43,8 +43,8 @@ class CpuExecutor {
   void observe(KernelObserver observer) { observer_ = std::move(observer); }
   /// Divides steps among ranks; null: this executor runs all of a step.
   void divide(Division* division) { division_ = division; }
-  /// Disables SIMD kernels and privatized counts: from now on each loop takes its elements one by one, the last
-  /// one first. Results must not depend on it.
+  /// Disables SIMD kernels and privatized counts: from now on each loop takes its elements one by one, the
+  /// last one first. Results must not depend on it.
   void takeBackward() { backward_ = true; }
 
   /// Runs f() on the threads of this executor.
