@@ -2,6 +2,8 @@
 /// Every `new` of the program, and every calloc (of tables), is counted, and can be made to fail.
 namespace rubble::test {
 
+/// False with the sanitizer of threads: nothing is counted then, and nothing fails.
+bool countsAllocations();
 /// Allocations of all threads so far.
 long allocations();
 
