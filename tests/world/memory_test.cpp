@@ -9,6 +9,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "tests/support/sanitizer.h"
 #include "tests/support/scenes.h"
 
 namespace rubble {
@@ -57,7 +58,7 @@ class OutOfMemory : public ::testing::TestWithParam<const char*> {
 };
 
 TEST_P(OutOfMemory, InAStepIsAnErrorAfterWhichItCanBeTakenAgain) {
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(RUBBLE_HAS_SANITIZER)
   GTEST_SKIP() << "the sanitizer needs an address space without bound";
 #endif
   World world = apart(), other = apart();
@@ -85,7 +86,7 @@ TEST_P(OutOfMemory, InAStepIsAnErrorAfterWhichItCanBeTakenAgain) {
 }
 
 TEST_P(OutOfMemory, AmongContactsForgetsThemAndNothingElse) {
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(RUBBLE_HAS_SANITIZER)
   GTEST_SKIP() << "the sanitizer needs an address space without bound";
 #endif
   // half of them in touch already, so that there are contacts to lose
