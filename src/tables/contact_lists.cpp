@@ -34,10 +34,11 @@ void appendContacts(const SolverData& s, int begin, int end, BodyContacts& to) {
 }
 
 void appendPoints(const SolverData& s, int owner, PointContacts& to) {
-  const int begin = s.oldPointPairOffset[owner], end = s.oldPointPairOffset[owner + 1];
-  to.pairsOfOwner.push_back(end - begin);
-  to.pair.insert(to.pair.end(), &s.oldPointPair[0] + begin, &s.oldPointPair[0] + end);
-  to.contact.insert(to.contact.end(), &s.oldPointContact[0] + begin, &s.oldPointContact[0] + end);
+  const std::size_t before = to.pair.size();
+  for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
+    if (s.oldPointPair[k].other >= 0)
+      to.pair.push_back(s.oldPointPair[k]), to.contact.push_back(s.oldPointContact[k]);
+  to.pairsOfOwner.push_back(static_cast<int>(to.pair.size() - before));
 }
 
 void storeContacts(HostTables& tables, BodyContacts& c) {

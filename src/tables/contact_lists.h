@@ -28,7 +28,8 @@ struct PointContacts {
 void appendContacts(const SolverData& s, int begin, int end, BodyContacts& to);
 /// Makes these the contacts of the last step.
 void storeContacts(HostTables& tables, BodyContacts& contacts);
-/// Appends the contacts of an owner of point pairs.
+/// Appends the contacts of an owner of point pairs. Empty pairs, whose number depends on what else is in the
+/// buckets of the grid, are left out.
 void appendPoints(const SolverData& s, int owner, PointContacts& to);
 /// The same for contacts of points, in the order of all owners. PointPair::vertex is set.
 void storePoints(HostTables& tables, PointContacts& contacts);

@@ -197,10 +197,7 @@ std::vector<std::byte> takeWorld(const HostTables& tables, const WorldPart& part
   for (std::size_t k = 0; k < points.pair.size(); ++k) {
     PointPair& pair = points.pair[k];
     pair.vertex = 0, numbers.partner(pair.other);
-    if (pair.other < 0)
-      std::memset(static_cast<void*>(&points.contact[k]), 0, sizeof(PointContact));
-    else
-      renumber(numbers, points.contact[k]);
+    renumber(numbers, points.contact[k]);
   }
   const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
   const StateCounts counts{count(bodies.pair), count(bodies.manifold), count(bodies.row),
@@ -245,7 +242,7 @@ void readContacts(const SolverData& s, const WorldPart& part, Reader& reader, co
   reader.list(points.pair, counts.pointPairs), reader.list(points.contact, counts.pointPairs);
   for (std::size_t k = firstPoint; k < points.pair.size(); ++k) {
     numbers.partner(points.pair[k].other);
-    if (points.pair[k].other >= 0) renumber(numbers, points.contact[k]);
+    renumber(numbers, points.contact[k]);
   }
 }
 

@@ -30,6 +30,11 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BatchOf,
                                   std::to_string(info.param.threads);
                          });
 
+/// Of three hundred worlds in one grid many share its buckets, in which points count a partner twice.
+TEST(Worlds, HaveTheBitsThatTheyHaveAloneWhereOthersShareTheirBuckets) {
+  test::expectBitsAlone({0, 5}, 300, worldsOptions("cpu", 2), 2);
+}
+
 /// On a host a batch has no order of sums of its own.
 TEST(Worlds, HaveTheBitsOfWorldsOutsideOfBatches) {
   Worlds worlds(worldsOptions("cpu", 3));
