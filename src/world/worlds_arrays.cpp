@@ -190,7 +190,8 @@ std::vector<RayHit> Worlds::castRays(std::span<const WorldRay> rays) {
       out[i] = hitOf(hits[q], rays[i].ray, impl_->at(rays[i].world).registry);
       if (queries[q].deformables) reachObjects[rays[i].world].push_back(q);
     }
-    for (const auto& [world, places] : reachObjects) {
+    for (const auto& entry : reachObjects) {
+      const std::vector<std::size_t>& places = entry.second;
       const auto pick = [&](auto&& of) {
         std::vector<std::remove_cvref_t<decltype(of(0))>> list;
         for (const std::size_t q : places) list.push_back(of(q));
@@ -198,8 +199,9 @@ std::vector<RayHit> Worlds::castRays(std::span<const WorldRay> rays) {
       };
       std::vector<RayHit> merged = pick([&](std::size_t q) { return out[ofBatch[k][q]]; });
       std::vector<EngineQuery> own = pick([&](std::size_t q) { return queries[q]; });
-      impl_->at(world).addObjectHits(own, pick([&](std::size_t q) { return hits[q]; }),
-                                     pick([&](std::size_t q) { return rays[ofBatch[k][q]].ray; }), merged);
+      impl_->at(entry.first)
+          .addObjectHits(own, pick([&](std::size_t q) { return hits[q]; }),
+                         pick([&](std::size_t q) { return rays[ofBatch[k][q]].ray; }), merged);
       for (std::size_t n = 0; n < places.size(); ++n) out[ofBatch[k][places[n]]] = merged[n];
     }
   });
