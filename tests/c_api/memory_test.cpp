@@ -16,7 +16,8 @@ constexpr const char* kScene =
     R"({"bodies": [{"name": "ground", "shape": {"type": "plane"}},
                    {"name": "crate", "shape": {"type": "box", "size": [1, 1, 1]}, "position": [0, 0, 0.5]},
                    {"name": "ball", "shape": {"type": "sphere", "radius": 0.5}, "position": [0, 0, 1.6]}],
-        "joints": [{"name": "link", "type": "ball", "body_a": "crate", "body_b": "ball", "anchor": [0, 0, 1]}],
+        "joints": [{"name": "link", "type": "ball", "body_a": "crate",
+                    "body_b": "ball", "anchor": [0, 0, 1]}],
         "deformables": [{"type": "cable", "name": "rope", "vertices": [[3, 0, 1], [4, 0, 1], [5, 0, 1]],
                          "radius": 0.02}]})";
 constexpr const char* kOptions = R"({"threads": 1, "events": true})";

@@ -380,7 +380,8 @@ def compare_sensors(rubble, name, folder, seconds=0.4, most=5e-3):
     theirs = np.array(theirs)
     import_scene(rubble, file, folder)
     readings = folder / "readings.csv"
-    run(rubble, "run", folder / (name + ".json"), "--backend", "reference", "--dt", dt, "--steps", len(theirs),
+    run(rubble, "run", folder / (name + ".json"), "--backend", "reference",
+        "--dt", dt, "--steps", len(theirs),
         "--iterations", "20", "-q", "--sensors", readings)
     with open(readings, encoding="utf-8") as lines:
         names = lines.readline().strip().split(",")

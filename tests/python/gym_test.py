@@ -25,8 +25,10 @@ def hand_cart(observations):
 
 
 def lift(way, held):
-    """Actions of a hand that goes over a thing, down to it, closes and rises. `way` (n, 3): from the hand to where
-    it is to grasp [m]; `held` (n,)."""
+    """Actions of a hand that goes over a thing, down to it, closes and rises.
+
+    `way` (n, 3): from the hand to where it is to grasp [m]; `held` (n,).
+    """
     above = np.abs(way[:, :2]).max(axis=1) > 0.008
     grasp = ~above & (np.abs(way[:, 2]) < 0.012)
     action = np.clip(20 * np.concatenate([way, np.zeros((len(way), 1))], axis=1), -1, 1)

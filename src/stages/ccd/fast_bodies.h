@@ -144,7 +144,7 @@ RUBBLE_HD inline bool spheresMeet(const SolverData& s, int i, int j, const Swept
   for (int k = 0; k < 2; ++k) {
     const Vec3d& from = corner[k];
     const Vec3d way = corner[k + 1] - from;
-    const double t = clamp(-dot(from, way) / max(dot(way, way), 1e-30), 0.0, 1.0);
+    const double size2 = dot(way, way), t = size2 > 0 ? clamp(-dot(from, way) / size2, 0.0, 1.0) : 0.0;
     if (lengthSquared(from + way * t) <= reach * reach) return true;
   }
   return false;

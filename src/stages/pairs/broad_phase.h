@@ -137,12 +137,6 @@ RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& 
   searchPlanes(s, s.worldOf(i), way, found, lane, lanes);
 }
 
-/// Is a body in the grid in this step?
-RUBBLE_HD inline bool isInGrid(const SolverData& s, int i) {
-  const BodyParams& p = s.params[i];
-  return p.kind != BodyKind::Removed && p.shape.kind != ShapeKind::Plane && !isPaused(s, i);
-}
-
 /// found(other, otherOwns) for the partners of body i if neither has a long path: in its own level those that
 /// kAhead names, in coarser levels all. Share of worker `lane` of `lanes`.
 template <Ahead kAhead, class Found>

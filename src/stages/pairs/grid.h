@@ -71,6 +71,12 @@ RUBBLE_HD inline Vec3 pathAhead(const SolverData& s, int i) {
   return inertialDisplacement(v, followedShare(v, s.previousVelocity[i], gravity, dt) * gravity, dt);
 }
 
+/// Is a body in the grid in this step?
+RUBBLE_HD inline bool isInGrid(const SolverData& s, int i) {
+  const BodyParams& p = s.params[i];
+  return p.kind != BodyKind::Removed && p.shape.kind != ShapeKind::Plane && !isPaused(s, i);
+}
+
 /// Boxes at x^t, swept by the predicted motion and rotation, with the detection margin; and their cells.
 struct ComputeBounds {
   static constexpr const char* kStage = "bounds";
@@ -92,7 +98,7 @@ struct ComputeBounds {
     const BodyParams& p = s.params[i];
     Bounds& b = s.bounds[i];
     b.level = -1;
-    if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane || isPaused(s, i)) return false;
+    if (!isInGrid(s, i)) return false;
     const Quat q = s.orientation[i];
     b.path = pathAhead(s, i);
     const Vec3 sweep = Real(.5) * b.path;
