@@ -288,6 +288,7 @@ struct Counters {
   int aggregates, slices, boundary;
   int clashing, clashes, rounds;  ///< nodes that need a new color, color conflicts left, and coloring rounds
   int anyFast;                    ///< 1: a body needs CCD: it moves far, or is pressed into another
+  int fastBodies;                 ///< how many do
   int swept;                      ///< pairs to be tested by CCD: all, or none
   int stopped;                    ///< bodies whose motion CCD cut short
   int asleep;                     ///< bodies asleep after this step

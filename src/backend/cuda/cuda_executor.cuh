@@ -25,9 +25,8 @@ class CudaExecutor : private ScanLauncher {
   static constexpr int kMaxRounds = 10000;
 
   CudaExecutor(DeviceTables& tables, cudaStream_t stream) : ScanLauncher(tables, stream) {
-    // subsets of pairs and active pairs: no capacity of their own
-    perOf_[indexOf(&Counters::newPairs)] = static_cast<int>(Per::Pair);
-    perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::ActivePair);
+    count(&Counters::newPairs, Per::Pair), count(&Counters::tested, Per::ActivePair);
+    bound(&Counters::swept, Per::Pair), bound(&Counters::fastBodies, Per::Body);
   }
   CudaExecutor(const CudaExecutor&) = delete;
   CudaExecutor& operator=(const CudaExecutor&) = delete;
@@ -40,9 +39,7 @@ class CudaExecutor : private ScanLauncher {
 
   const Control* control() const { return control_; }
   /// Returns whether the number of elements of this kind is counted on the device.
-  bool counted(Per per) const {
-    return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_);
-  }
+  bool counted(Per per) const { return counted_[static_cast<int>(per)]; }
   std::size_t scratchBytes() const {
     return ScanLauncher::scratchBytes() + tickets_.size() + highDegree_.size() + longSlices_.size();
   }
@@ -117,6 +114,14 @@ class CudaExecutor : private ScanLauncher {
     if (!begins()) return;
     enterStage(Kernel::kStage);
     launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kStage);
+  }
+
+  /// For kernels of many registers that mostly have no element: a block a multiprocessor, where others would
+  /// queue only to end.
+  template <class Kernel> void runRarely(const Kernel& kernel, int Counters::*n) {
+    if (!begins()) return;
+    enterStage(Kernel::kStage);
+    launch(kernel, {0, counter(n)}, processors_ * kThreads / widthOf<Kernel>(), Kernel::kStage);
   }
 
   /// Grid size for a range whose length is known on the device only. It assumes ranges that hold one element
@@ -216,8 +221,15 @@ class CudaExecutor : private ScanLauncher {
     });
   }
   void run(const FindNeighbors& kernel, int n) { search<FindNeighborsByTile>(kernel, n); }
-  void run(const FindPathNeighbors& kernel, int n) { search<FindPathNeighborsByTile>(kernel, n); }
-  void run(const FindUnpairedImpacts& kernel, int n) { search<FindUnpairedImpactsByTile>(kernel, n); }
+  void run(const FindPathNeighbors& kernel, int Counters::*n) {
+    withLanes<1, 2, 8>(lanesFor<1, 2, 8>(view().bodies, residentThreads()),
+                       [&]<int kLanes>() { run(SearchByTile<FindPathNeighbors, kLanes>{kernel}, n); });
+  }
+  void run(const FindImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
+  void run(const FindGeneralImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
+  void run(const FindUnpairedImpacts& kernel, int Counters::*n) {
+    runRarely(SearchByTile<FindUnpairedImpacts, 8>{kernel}, n);
+  }
   void run(const FindPairs<false>& kernel, int n) { search<FindPairsByTile>(kernel, n); }
 
   /// Stages in which a few elements have very many parts.

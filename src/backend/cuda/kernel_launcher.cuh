@@ -109,7 +109,11 @@ class KernelLauncher {
     return static_cast<std::size_t>(&(probe.*c) - reinterpret_cast<const int*>(&probe));
   }
   int* counter(int Counters::*c) const { return reinterpret_cast<int*>(view().counters) + indexOf(c); }
-  /// Capacity of the kind that this counter counts, as given by require().
+  /// A counter of elements of a kind. bound(): it counts some of them. count(): the step requires room for
+  /// them.
+  void bound(int Counters::*c, Per per) { perOf_[indexOf(c)] = static_cast<int>(per); }
+  void count(int Counters::*c, Per per) { bound(c, per), counted_[static_cast<int>(per)] = true; }
+  /// Capacity of the kind that this counter counts.
   int capacityOf(int Counters::*c) const {
     const int per = perOf_[indexOf(c)];
     if (per < 0) throw std::logic_error("CudaExecutor: a counter is used before the room for it is required");
@@ -143,6 +147,7 @@ class KernelLauncher {
   KernelObserver observer_;
   int operation_ = 0;
   int perOf_[sizeof(Counters) / sizeof(int)];  ///< kind that a counter counts, or -1
+  bool counted_[kPerCount] = {};               ///< kinds for which steps require room
   const char* stage_ = nullptr;
   bool beside_ = false;
   int processors_ = 1, maxBlocks_ = 1;

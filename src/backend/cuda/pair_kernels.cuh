@@ -36,8 +36,6 @@ template <class Search, int kTile> struct SearchByTile {
   }
 };
 template <int kTile> using FindNeighborsByTile = SearchByTile<FindNeighbors, kTile>;
-template <int kTile> using FindPathNeighborsByTile = SearchByTile<FindPathNeighbors, kTile>;
-template <int kTile> using FindUnpairedImpactsByTile = SearchByTile<FindUnpairedImpacts, kTile>;
 
 /// One lane per neighbor, for worlds without shapes of several parts.
 template <int kTile> struct FindPairsByTile {

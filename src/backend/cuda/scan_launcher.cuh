@@ -49,7 +49,7 @@ class ScanLauncher : protected KernelLauncher {
             Per per) {
     const int limit = limitOf(n);
     scan(counts, offsets, n);
-    perOf_[indexOf(total)] = static_cast<int>(per);
+    count(total, per);
     if (!begun()) return;
     launchNext(keepTotal, {1, 1}, "keepTotal", control_, view().*offsets, limit, counter(total),
                roomFor(per));
@@ -71,10 +71,10 @@ class ScanLauncher : protected KernelLauncher {
            {1, counter(keyCount)}, capacityOf(keyCount) + 1, "offsets");
   }
 
-  void require(Per per, int Counters::*count) {
-    perOf_[indexOf(count)] = static_cast<int>(per);
+  void require(Per per, int Counters::*c) {
+    count(c, per);
     if (!begins()) return;
-    launchNext(requireRoom, {1, 1}, "requireRoom", control_, counter(count), roomFor(per));
+    launchNext(requireRoom, {1, 1}, "requireRoom", control_, counter(c), roomFor(per));
   }
 
   LongList listOf(const DeviceBuffer& list) const {

@@ -30,7 +30,7 @@ inline constexpr Real kDeeperYet = Real(.2), kDeeperYetAtRest = Real(.02);
 /// Rows against a distance field have held a point if they leave it no deeper than this share of L [1].
 inline constexpr Real kHeldPoint = Real(.05);
 
-/// Flags the bodies that moved far, and whether there are any.
+/// Flags and lists the bodies that moved far.
 struct FlagFast {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -45,6 +45,7 @@ struct FlagFast {
     const Real ahead = s.step->dt * length(s.velocity[i]);
     if (!(way2 > Real(0)) || (max(std::sqrt(way2), ahead) + turn <= inner && s.fast[i] == 0)) return;
     s.fast[i] = 1;
+    s.fastBody[atomicCount(&s.counters->fastBodies, 1)] = i;
     atomicRaise(&s.counters->anyFast, 1);
     atomicRaise(&s.counters->swept, s.counters->pairs);
   }
@@ -61,12 +62,12 @@ RUBBLE_HD inline int ccdOwner(const SolverData& s, int body) {
 /// up to this many rounds, for pairs whose motion has been shortened.
 inline constexpr int kCcdRounds = 4;
 
-/// Before a round: records how far fast bodies move according to the stops found so far.
+/// Before a round: records how far fast bodies move according to the stops found so far. By fast body.
 struct BeginCcdRound {
   static constexpr const char* kStage = "ccd";
   int round;
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.counters->anyFast == 0 || s.fast[i] == 0) return;
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    const int i = s.fastBody[k];
     const int bits = s.ccdShareBits[i], owner = ccdOwner(s, i);
     if (bits <= s.ccdSeenBits[owner]) return;
     atomicRaise(&s.ccdSeenBits[owner], bits);

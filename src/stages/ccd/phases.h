@@ -11,17 +11,16 @@ namespace rubble::RUBBLE_CORE::ccd {
 template <Executor E> void stop(E& e) {
   const SolverData& s = e.view();
   e.forEach(FlagFast{}, s.bodies);
-  e.require(Per::Pair, &Counters::swept);
   const bool joints = s.hasJoints();
   if (joints) {
     e.forEach(StartCcdIslands{}, s.bodies);
     forEachJoint<JoinCcdIslands>(e);
   }
   for (int round = 0; round < kCcdRounds; ++round) {
-    if (round > 0) e.forEach(BeginCcdRound{round}, s.bodies);
+    if (round > 0) e.forEach(BeginCcdRound{round}, &Counters::fastBodies);
     e.forEach(FindImpacts{round}, &Counters::swept);
     if (s.generalShapes) e.forEach(FindGeneralImpacts{round}, &Counters::swept);
-    e.beside(FindUnpairedImpacts{round}, s.bodies);
+    e.beside(FindUnpairedImpacts{round}, &Counters::fastBodies);
   }
   if (joints) {
     e.forEach(RaiseIslandShares{}, s.bodies);

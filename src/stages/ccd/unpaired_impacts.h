@@ -87,14 +87,15 @@ RUBBLE_HD inline Vec3d normalOf(const PlacedAny& part, const PlacedAny& other, c
   return isSurface(other.shape.kind) && part.shape.kind != ShapeKind::Distance ? -at.at.n : at.at.n;
 }
 
-/// In the first round bodies that leave their paths search, in later ones those that have been stopped.
+/// By fast body: in the first round those that leave their paths search, in later ones those that have been
+/// stopped.
 struct FindUnpairedImpacts {
   static constexpr const char* kStage = "ccd";
   int round;
-  RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
+  RUBBLE_HD void operator()(const SolverData& s, int k) const { (*this)(s, k, 0, 1); }
   /// Share of worker `lane` of `lanes`.
-  RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
-    if (s.counters->anyFast == 0 || s.fast[i] == 0) return;
+  RUBBLE_HD void operator()(const SolverData& s, int k, int lane, int lanes) const {
+    const int i = s.fastBody[k];
     if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
     if (round > 0 && s.ccdRound[ccdOwner(s, i)] != round) return;
     // what stops waits there for those whose way it then blocks

@@ -155,7 +155,7 @@ RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane 
 template <Ahead kAhead, class Found>
 RUBBLE_HD RUBBLE_OUT_OF_LINE void searchPaths(const SolverData& s, int i, Found&& found, int lane = 0,
                                               int lanes = 1) {
-  if (s.counters->pathCells == 0 || !isInGrid(s, i)) return;
+  if (i >= s.bodies || !isInGrid(s, i)) return;
   const Bounds& b = s.bounds[i];
   const bool isLong = isLongLevel(b.level);
   for (int size = sizeOf(b.level); size < kGridSizes; ++size) {
@@ -184,7 +184,7 @@ RUBBLE_HD void searchPartners(const SolverData& s, int i, Found&& found, int lan
     if (mayCollide(s, i, other)) found(other);
   };
   searchBounds<Ahead::InNumber>(s, i, foundPartner, lane, lanes);
-  searchPaths<Ahead::InNumber>(s, i, foundPartner, lane, lanes);
+  if (s.counters->pathCells > 0) searchPaths<Ahead::InNumber>(s, i, foundPartner, lane, lanes);
 }
 
 /// Stores a pair with its owner. In cells of one size that is the body of lower index, else the one in the

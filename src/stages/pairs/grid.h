@@ -125,18 +125,6 @@ struct ComputeBounds {
   }
 };
 
-/// Sorts bodies into buckets. The order inside a bucket is not fixed; pairs are sorted later.
-struct FillGrid {
-  static constexpr const char* kStage = "grid";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const Bounds& b = s.bounds[i];
-    if (b.level < 0) return;
-    const int layer = layerOf(s.worldOf(i), b.level), bucket = bucketOf(s, layer, b.x, b.y, b.z);
-    const int slot = s.bucketOffset[bucket] + atomicCount(&s.bucketCount[bucket], -1) - 1;
-    s.grid[slot] = {b.center, b.half, i, layer};
-  }
-};
-
 /// visit(entry) for each body of a layer whose level has few bodies; share of worker `lane` of `lanes`.
 /// Returns false if the level has many.
 template <class Visit>

@@ -70,12 +70,6 @@ RUBBLE_HD inline Real subcellSize(int level, int halvings) {
   return powerOfTwo(sizeOf(level) - kMetreLevel - halvings);
 }
 
-/// Is there a body i, and has it a long path? The kernels below run over as many elements as there are
-/// buckets, more than bodies, so that they cost nothing where no path is long.
-RUBBLE_HD inline bool hasLongPath(const SolverData& s, int i) {
-  return i < s.bodies && isLongLevel(s.bounds[i].level);
-}
-
 /// Clears what a cell stores for long paths.
 struct ClearCellPaths {
   static constexpr const char* kStage = "grid";
@@ -84,21 +78,26 @@ struct ClearCellPaths {
     s.subcellFirst[cell] = 0;
   }
 };
-/// Bounds of the paths in each bucket.
-struct MeasurePaths {
+/// Sorts bodies into buckets, and bounds the long paths in each. The order inside a bucket is not fixed;
+/// pairs are sorted later.
+struct FillGrid {
   static constexpr const char* kStage = "grid";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (!hasLongPath(s, i)) return;
     const Bounds& b = s.bounds[i];
-    const int bucket = bucketOf(s, layerOf(s.worldOf(i), b.level), b.x, b.y, b.z);
-    addPath(s.cellPaths[bucket], b, s.params[i].radius);
+    if (b.level < 0) return;
+    const int layer = layerOf(s.worldOf(i), b.level), bucket = bucketOf(s, layer, b.x, b.y, b.z);
+    const int slot = s.bucketOffset[bucket] + atomicCount(&s.bucketCount[bucket], -1) - 1;
+    s.grid[slot] = {b.center, b.half, i, layer};
+    if (isLongLevel(b.level)) addPath(s.cellPaths[bucket], b, s.params[i].radius);
   }
 };
 /// Lists the bodies of each bucket of subcells. The order in a list is not fixed; pairs are sorted later.
+/// Like FindPathNeighbors it runs over as many elements as there are buckets, more than bodies, and over none
+/// where no path is long.
 struct LinkSubcells {
   static constexpr const char* kStage = "grid";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (!hasLongPath(s, i)) return;
+    if (i >= s.bodies || !isLongLevel(s.bounds[i].level)) return;
     const Bounds& b = s.bounds[i];
     const int layer = layerOf(s.worldOf(i), b.level);
     const int n = halvings(s.cellPaths[bucketOf(s, layer, b.x, b.y, b.z)], b.level, b.x, b.y, b.z);

@@ -18,14 +18,13 @@ template <Executor E> void find(E& e) {
   e.clear(&SolverData::bucketCount, cells);
   e.forEach(ComputeBounds{}, bodies);
   e.scan(&SolverData::bucketCount, &SolverData::bucketOffset, cells);
-  e.forEach(FillGrid{}, bodies);
   e.require(Per::PathCell, &Counters::pathCells);
   e.forEach(ClearCellPaths{}, &Counters::pathCells);
-  e.forEach(MeasurePaths{}, &Counters::pathCells);
+  e.forEach(FillGrid{}, bodies);
   e.forEach(LinkSubcells{}, &Counters::pathCells);
   e.clear(&SolverData::pairCount, bodies);
   e.forEach(FindNeighbors{}, bodies);
-  e.beside(FindPathNeighbors{}, bodies);
+  e.beside(FindPathNeighbors{}, &Counters::pathCells);
   forEachOwner<FindPairs>(e);
   e.scan(&SolverData::pairCount, &SolverData::pairOffset, bodies, &Counters::pairs, Per::Pair);
   forEachOwner<WritePairs>(e);
