@@ -113,7 +113,7 @@ void addBench(CLI::App& app, int& status) {
   addSolverOptions(*command, options->job);
   command->add_option("-b,--backend", options->job.backend, "Where the step runs (see 'rubble info build')")
       ->capture_default_str();
-  addGpuOption(*command, options->job);
+  addRankOptions(*command, options->job);
   command
       ->add_option("-t,--threads", options->threads,
                    "Numbers of worker threads, with commas between; one run for each; 0 is one a core")

@@ -146,14 +146,15 @@ void addBackendOptions(CLI::App& app, JobOptions& options) {
   app.add_option("-t,--threads", options.threads, "Worker threads; 0 is one a core")
       ->check(notBelowZero())
       ->capture_default_str();
-  app.add_option("--ranks", options.ranks,
-                 "Ranks of the backend 'distributed', as threads; 0: the processes of mpirun")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  addGpuOption(app, options);
+  addRankOptions(app, options);
 }
 
-void addGpuOption(CLI::App& app, JobOptions& options) {
+void addRankOptions(CLI::App& app, JobOptions& options) {
+  app.add_option(
+         "--ranks", options.ranks,
+         "Ranks of the backend 'distributed', as threads; 0: the processes that were started together")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--gpus", options.gpus, "GPUs that step the world together, in place of a backend")
       ->check(aboveZero());
 }

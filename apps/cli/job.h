@@ -31,8 +31,8 @@ struct JobOptions {
 void addArgumentOptions(CLI::App& app, JobOptions& options);
 void addSolverOptions(CLI::App& app, JobOptions& options);
 void addBackendOptions(CLI::App& app, JobOptions& options);
-/// --gpus, for commands that name their backend in another way.
-void addGpuOption(CLI::App& app, JobOptions& options);
+/// --ranks and --gpus, for commands that name their backend in another way.
+void addRankOptions(CLI::App& app, JobOptions& options);
 
 /// Throws Error if this machine or build has no such backend.
 void checkBackend(const std::string& backend);

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <random>
 
+#include <rubble/socket_ranks.h>
+
 #include "platform/system.h"
 
 #if RUBBLE_HAS_MPI
@@ -32,20 +34,25 @@ Processes::~Processes() {
 
 bool Processes::isFirst() { return processRank == 0; }
 
-#if RUBBLE_HAS_MPI
 void Processes::join() {
-  if (!MpiRanks::launched()) return;
-  ranks_ = std::make_unique<MpiRanks>();
-  processRank = ranks_->rank();
+#if RUBBLE_HAS_MPI
+  if (MpiRanks::launched()) {
+    mpi_ = std::make_unique<MpiRanks>();
+    processRank = mpi_->rank();
+  }
+#endif
+  if (!mpi_ && SocketRanks::launched()) {
+    sockets_ = std::make_unique<SocketRanks>();
+    processRank = sockets_->rank();
+  }
   if (processRank > 0 && !std::freopen(platform::kNullFile, "w", stdout)) processRank = 0;
 }
-void Processes::fail(const std::string& why) {
-  if (ranks_ && ranks_->count() > 1) ranks_->abort(why);
-}
-#else
-void Processes::join() {}
-void Processes::fail(const std::string&) {}
+void Processes::fail([[maybe_unused]] const std::string& why) {
+#if RUBBLE_HAS_MPI
+  if (mpi_ && mpi_->count() > 1) mpi_->abort(why);
 #endif
+  sockets_.reset();
+}
 
 std::string outputOfProcess(const std::string& file) {
   if (file.empty() || file == "-" || Processes::isFirst()) return file;

@@ -1,11 +1,13 @@
 #pragma once
-/// The processes of one run. Under mpirun all run the same command; the first one prints and writes files.
+/// The processes of one run. Under mpirun, torchrun and the like all run the same command; the first one
+/// prints and writes files.
 #include <memory>
 #include <string>
 
 namespace rubble {
 class MpiRanks;
-}
+class SocketRanks;
+}  // namespace rubble
 
 namespace rubble::cli {
 
@@ -16,8 +18,8 @@ class Processes {
   Processes(const Processes&) = delete;
   Processes& operator=(const Processes&) = delete;
 
-  /// Joins the processes that mpirun started with this one, if it did. All but the first lose their standard
-  /// output. Throws Error if that fails.
+  /// Joins the processes that were started with this one, by mpirun or with the variables of SocketRanks. All
+  /// but the first lose their standard output. Throws Error if that fails.
   void join();
   /// Ends all other processes, and this one, if there are others.
   void fail(const std::string& why);
@@ -25,7 +27,8 @@ class Processes {
   static bool isFirst();
 
  private:
-  std::unique_ptr<MpiRanks> ranks_;
+  std::unique_ptr<MpiRanks> mpi_;
+  std::unique_ptr<SocketRanks> sockets_;
 };
 
 /// The file itself in the first process. In the others, which compute the same, a file that nobody keeps.

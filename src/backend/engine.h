@@ -140,6 +140,8 @@ std::unique_ptr<Engine> makeCpuEngine(const CpuOptions& options);
 std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, const CpuOptions& options);
 /// Two engines of this precision, compared after every kernel.
 std::unique_ptr<Engine> makeLockstepEngine(std::unique_ptr<Engine> a, std::unique_ptr<Engine> b);
+/// Declared in tables/soft_queries.h too.
+std::vector<std::vector<EngineHit>> softHits(const EngineQueries& asked, const EngineSoftTargets& targets);
 }  // namespace f32
 namespace f64 {
 /// Declared in tables/soft_queries.h too.

@@ -79,12 +79,19 @@ void setFraction(ClosestHit& hit, const EngineHit& found, const ClosestQuery&) {
   hit.distance = found.fraction;
 }
 
+/// Geometry of few triangles, in the most precise core that is built.
+#if defined(RUBBLE_HAS_REFERENCE)
+namespace precise = f64;
+#else
+namespace precise = f32;
+#endif
+
 /// Hits of the queries on deformable objects; empty if none asks for them.
 template <class World, class Query>
 std::vector<std::vector<EngineHit>> objectHits(World& world, const EngineQueries& asked,
                                                std::span<const Query> queries) {
   if (std::ranges::none_of(asked.queries, [](const EngineQuery& q) { return q.deformables != 0; })) return {};
-  auto lists = f64::softHits(asked, world.softTargets());
+  auto lists = precise::softHits(asked, world.softTargets());
   for (std::size_t i = 0; i < lists.size(); ++i)
     if (const DeformableId skipped = queries[i].filter.ignoreObject; world.registry.softs.alive(skipped))
       std::erase_if(lists[i], [&](const EngineHit& hit) { return hit.body == skipped.index; });

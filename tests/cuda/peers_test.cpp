@@ -43,7 +43,9 @@ TEST_P(CudaPeersScene, HasTheBitsOfOneGpu) {
   constexpr int kSteps = 300, kCompared = 60;
   std::vector<std::uint64_t> one;
   for (const int count : {1, 2, 3, 4, 8}) {
-    if (count > 2 * gpus()) continue;  // three ranks that share a GPU may wait for one another
+    // ranks that share GPUs may wait for one another for ever: two on the only one are for machines with no
+    // more
+    if (count > std::max(2, gpus())) continue;
     for (const int cutInterval : count == 2 ? std::vector{0, 7} : std::vector{0}) {
       WorldOptions options = onRanks(count, cutInterval);
       const scenes::Job of = job();
