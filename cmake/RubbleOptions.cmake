@@ -41,6 +41,15 @@ function(rubble_compile_quickly target)
     $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1> $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Sanitize>>:-O0>)
 endfunction()
 
+# Sources of a target in groups, each compiled as one: what they include is compiled once. For builds that nobody edits, since a
+# change of one file compiles its group. Names without linkage must differ within a target then.
+option(RUBBLE_UNITY "Compile the sources of the library in groups" OFF)
+function(rubble_unite target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
+  # GCC takes a group for a file that others include, whose types must not use those without linkage
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
+endfunction()
+
 add_library(rubble_warnings INTERFACE)
 # No build contracts products and sums, or results would depend on the processor.
 target_compile_options(rubble_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)

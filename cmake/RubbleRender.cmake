@@ -51,7 +51,7 @@ std::string shaderText(const std::string& file) {
 add_library(rubble_render STATIC ${render_sources} ${render_headers} ${rubble_generated_dir}/shader_text.cpp)
 set_target_properties(rubble_render PROPERTIES EXCLUDE_FROM_ALL ON)  # built where a program or a test needs it
 target_include_directories(rubble_render PUBLIC ${PROJECT_SOURCE_DIR} PRIVATE ${PROJECT_SOURCE_DIR}/src)
-target_link_libraries(rubble_render PUBLIC rubble_io rubble_scenes PRIVATE rubble_warnings rubble_threads)
+target_link_libraries(rubble_render PUBLIC rubble_io rubble_scenes PRIVATE rubble_warnings)
 if(rubble_gl)
   target_link_libraries(rubble_render PUBLIC PkgConfig::EPOXY PkgConfig::EGL)
   target_compile_definitions(rubble_render PUBLIC RUBBLE_HAS_GL=1)

@@ -6,7 +6,7 @@ namespace rubble {
 
 namespace {
 
-struct Builder {
+struct ClusterBuilder {
   SoftModel& model;
 
   void add(int level, int begin, int end, int parent) {
@@ -32,7 +32,7 @@ void makeClusters(SoftModel& model) {
   int level = 0;
   while (level < SoftModel::kClusterLevels - 1 && moving > SoftModel::kFinestCluster << (3 * level)) ++level;
   // the coarsest cluster is the whole object, whatever its size
-  Builder{model}.add(level, 0, moving, -1);
+  ClusterBuilder{model}.add(level, 0, moving, -1);
 }
 
 }  // namespace rubble

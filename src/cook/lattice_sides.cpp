@@ -9,7 +9,7 @@ namespace rubble {
 
 namespace {
 
-constexpr int kMostCells = 1 << 26;
+constexpr int kMostLatticeCells = 1 << 26;
 /// Offset of the lattice in cells [1]. It avoids that rows of the lattice contain corners and edges of
 /// surfaces with round coordinates.
 constexpr Vec3 kShift{.0137, .0071, .0193};
@@ -66,8 +66,9 @@ SidesOfLattice::SidesOfLattice(const TriangleMesh& surface, double cell, const P
   for (int axis = 0; axis < 3; ++axis) {
     const double count = std::ceil((high[axis] - first_[axis]) / cell) + 1;
     all *= count;
-    if (!(all < kMostCells))
-      throw Error(path + ".cell", "a width that gives fewer than " + std::to_string(kMostCells) + " cells",
+    if (!(all < kMostLatticeCells))
+      throw Error(path + ".cell",
+                  "a width that gives fewer than " + std::to_string(kMostLatticeCells) + " cells",
                   std::to_string(cell) + " m");
     cells_[static_cast<std::size_t>(axis)] = static_cast<int>(count);
   }

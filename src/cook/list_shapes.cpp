@@ -101,7 +101,7 @@ ShapeTraits plane() {
           nullptr};
 }
 
-struct Hull {
+struct HullType {
   static constexpr std::tuple kFields{kRounding};
   static void check(const Shape& s, const Path& path) {
     const ShapeGeometry& g = geometryOf(s);
@@ -113,7 +113,7 @@ struct Hull {
             "hull",
             "convex hull of points",
             true,
-            anyFields<Shape, Hull, InShape>(),
+            anyFields<Shape, HullType, InShape>(),
             check,
             cooking::addHull,
             cookedMass,
@@ -184,7 +184,7 @@ ShapeTraits distanceField() {
 }  // namespace
 
 std::vector<ShapeTraits> listShapes() {
-  return {plane(), Hull::traits(), compound(), mesh(), heightField(), distanceField()};
+  return {plane(), HullType::traits(), compound(), mesh(), heightField(), distanceField()};
 }
 
 }  // namespace rubble

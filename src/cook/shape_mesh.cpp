@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-class Builder {
+class MeshBuilder {
  public:
-  explicit Builder(int segments) : segments_(std::max(8, segments)) {}
+  explicit MeshBuilder(int segments) : segments_(std::max(8, segments)) {}
   ShapeMesh mesh;
 
   int corner(const Vec3& point, const Vec3& normal) {
@@ -129,16 +129,16 @@ std::vector<Vec3> furthestOf(const std::vector<Vec3>& points, const Vec3& d) {
   return out;
 }
 
-void addRounded(Builder& builder, const Shape& shape) {
+void addRounded(MeshBuilder& builder, const Shape& shape) {
   const double r = shape.rounding;
   if (shape.type == ShapeType::Cylinder) {
-    std::vector<Builder::Ring> rings{{0, shape.halfLength, 0, 1}};
+    std::vector<MeshBuilder::Ring> rings{{0, shape.halfLength, 0, 1}};
     const double inner = shape.radius - r, top = shape.halfLength - r;
-    std::vector<Builder::Ring> upper, lower;
+    std::vector<MeshBuilder::Ring> upper, lower;
     builder.cap(upper, r, top, true);
     builder.cap(lower, r, -top, false);
-    for (Builder::Ring ring : upper) ring.r += inner, rings.push_back(ring);
-    for (Builder::Ring ring : lower) ring.r += inner, rings.push_back(ring);
+    for (MeshBuilder::Ring ring : upper) ring.r += inner, rings.push_back(ring);
+    for (MeshBuilder::Ring ring : lower) ring.r += inner, rings.push_back(ring);
     rings.push_back({0, -shape.halfLength, 0, -1});
     builder.turned(rings);
     return;
@@ -156,7 +156,7 @@ void addRounded(Builder& builder, const Shape& shape) {
   builder.rounded(r, normals, [&](const Vec3& d) { return furthestOf(points, d); });
 }
 
-void addHeights(Builder& builder, const ShapeGeometry& g) {
+void addHeights(MeshBuilder& builder, const ShapeGeometry& g) {
   const int nx = g.counts[0], ny = g.counts[1];
   const auto height = [&](int i, int j) {
     return g.samples[static_cast<std::size_t>(std::clamp(j, 0, ny - 1) * nx + std::clamp(i, 0, nx - 1))];
@@ -177,7 +177,7 @@ void addHeights(Builder& builder, const ShapeGeometry& g) {
 }
 
 /// The hull of support points of an added shape, along directions on a grid of latitudes and longitudes.
-void addSupportPoints(Builder& builder, const ShapeTraits& traits, const Shape& shape) {
+void addSupportPoints(MeshBuilder& builder, const ShapeTraits& traits, const Shape& shape) {
   const int around = builder.segments(), down = around / 2;
   std::vector<Vec3> points;
   for (int i = 0; i <= down; ++i)
@@ -192,8 +192,8 @@ void addSupportPoints(Builder& builder, const ShapeTraits& traits, const Shape& 
 }  // namespace
 
 ShapeMesh shapeMesh(const Shape& shape, int segments) {
-  Builder builder(segments);
-  std::vector<Builder::Ring> rings;
+  MeshBuilder builder(segments);
+  std::vector<MeshBuilder::Ring> rings;
   const double r = shape.radius, l = shape.halfLength;
   if (shape.rounding > 0 && hasField(traitsOf(shape.type).fields, "rounding")) {
     addRounded(builder, shape);

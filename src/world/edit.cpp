@@ -10,24 +10,23 @@ namespace rubble {
 
 namespace {
 
-template <class Id> std::string describe(Id id) {
-  return "id " + std::to_string(id.index) + " of generation " + std::to_string(id.generation) +
-         ", which is not alive";
+template <class Objects, class Id> void requireAliveIn(const Objects& objects, Id id, const char* kind) {
+  if (objects.alive(id)) return;
+  throw Error(kind, "an id that is alive",
+              "id " + std::to_string(id.index) + " of generation " + std::to_string(id.generation) +
+                  ", which is not alive");
 }
 
 bool hasPlane(const BodyDef& def) { return def.shape.type == ShapeType::Plane; }
 
 }  // namespace
 
-void World::Impl::requireAlive(BodyId id) const {
-  if (!registry.bodies.alive(id)) throw Error("body", "an id that is alive", describe(id));
-}
-void World::Impl::requireAlive(JointId id) const {
-  if (!registry.joints.alive(id)) throw Error("joint", "an id that is alive", describe(id));
-}
-
-void World::Impl::requireAlive(ShapeId id) const {
-  if (!registry.shapes.alive(id)) throw Error("shape", "an id that is alive", describe(id));
+void World::Impl::requireAlive(BodyId id) const { requireAliveIn(registry.bodies, id, "body"); }
+void World::Impl::requireAlive(JointId id) const { requireAliveIn(registry.joints, id, "joint"); }
+void World::Impl::requireAlive(ShapeId id) const { requireAliveIn(registry.shapes, id, "shape"); }
+void World::Impl::requireAlive(DeformableId id) const { requireAliveIn(registry.softs, id, "deformable"); }
+void World::Impl::requireAlive(AttachmentId id) const {
+  requireAliveIn(registry.attachments, id, "attachment");
 }
 
 void World::Impl::addDrop(std::vector<Edit>& edits, ShapeId id, int uses) const {

@@ -9,11 +9,6 @@ namespace rubble {
 
 namespace {
 
-template <class Id> std::string describe(Id id) {
-  return "id " + std::to_string(id.index) + " of generation " + std::to_string(id.generation) +
-         ", which is not alive";
-}
-
 /// Ids in the order in which their objects were added.
 template <class Id, class Record> std::vector<Id> inOrder(const Slots<Id, Record>& slots) {
   std::vector<Id> ids = slots.ids();
@@ -38,13 +33,6 @@ std::vector<double> sideWeights(const std::vector<int>& vertices, const std::vec
 }
 
 }  // namespace
-
-void World::Impl::requireAlive(DeformableId id) const {
-  if (!registry.softs.alive(id)) throw Error("deformable", "an id that is alive", describe(id));
-}
-void World::Impl::requireAlive(AttachmentId id) const {
-  if (!registry.attachments.alive(id)) throw Error("attachment", "an id that is alive", describe(id));
-}
 
 int World::Impl::placeMaterial(const Material& material) {
   if (material.name.empty()) return -1;

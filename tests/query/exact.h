@@ -198,14 +198,24 @@ inline double distanceTo(const std::vector<Piece>& pieces, const Vec3& x,
 }
 inline double distanceTo(const BodyDef& b, const Vec3& x) { return distanceTo(piecesOf(b), x); }
 
-/// Distance of two convex pieces by projecting from one on the other in turn, which converges for convex
-/// sets.
-inline double distanceBetween(const Piece& a, const Piece& b) {
-  if (a.shape.type == ShapeType::Plane) return distanceBetween(b, a);
+/// Nearest points of two convex pieces, of which at most one is a half space.
+struct NearestPair {
+  Vec3 a, b;
+  double distance;  ///< of a half space: along its normal, below 0 under its surface
+};
+
+/// By projecting from one on the other in turn, which converges for convex sets.
+inline NearestPair nearestPair(const Piece& a, const Piece& b) {
+  if (a.shape.type == ShapeType::Plane) {
+    const NearestPair other = nearestPair(b, a);
+    return {other.b, other.a, other.distance};
+  }
   if (b.shape.type == ShapeType::Plane) {
     // the lowest point: the one nearest to a far point below
     const Vec3 up = rotate(b.orientation, Vec3{0, 0, 1});
-    return dot(up, nearestOf(a, a.position - 1e6 * up).point - b.position);
+    const Vec3 lowest = nearestOf(a, a.position - 1e6 * up).point;
+    const double height = dot(up, lowest - b.position);
+    return {lowest, lowest - height * up, height};
   }
   Vec3 x = a.position;
   for (int i = 0; i < 3000; ++i) {
@@ -213,8 +223,10 @@ inline double distanceBetween(const Piece& a, const Piece& b) {
     if (length(next - x) < 1e-12) break;
     x = next;
   }
-  return length(nearestOf(b, x).point - x);
+  const Vec3 y = nearestOf(b, x).point;
+  return {x, y, length(y - x)};
 }
+inline double distanceBetween(const Piece& a, const Piece& b) { return nearestPair(a, b).distance; }
 inline double distanceBetween(const BodyDef& a, const BodyDef& b) {
   double least = 1e30;
   for (const Piece& p : piecesOf(a))

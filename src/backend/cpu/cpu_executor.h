@@ -72,7 +72,7 @@ class CpuExecutor {
     const int begin = (s.*offsets)[k];
     if constexpr (isDivided<Kernel>())
       if (division_) return runPart(kernel, (s.*offsets)[k + 1] - begin, k);
-    run(s, kernel, (s.*offsets)[k + 1] - begin, [&](int i) { return begin + i; });
+    run(s, kernel, (s.*offsets)[k + 1] - begin, [begin](int i) { return begin + i; });
   }
 
   void clear(Array<int> SolverData::*array, int n) { clearOnThreads(view().*array, n, threads_.count()); }
@@ -127,11 +127,12 @@ class CpuExecutor {
       if (division_)
         runPart(kernel, division_->color(c)), division_->share(Share::ColorPoses, c);
       else
-        run(s, kernel, s.colorOffset[c + 1] - begin, [&](int k) { return s.colorBody[begin + k]; });
+        run(s, kernel, s.colorOffset[c + 1] - begin,
+            [of = s.colorBody, begin](int k) { return of[begin + k]; });
       if (s.vertices == 0) continue;
       const int first = s.vertexColorOffset[c];
       run(s, vertexKernel, s.vertexColorOffset[c + 1] - first,
-          [&](int k) { return s.colorVertex[first + k]; });
+          [of = s.colorVertex, first](int k) { return of[first + k]; });
     }
   }
 
@@ -151,8 +152,7 @@ class CpuExecutor {
   }
   void order(const std::uint64_t* keys, int* to, int n) {
     std::iota(to, to + n, 0);
-    sortOnThreads(to, to + n,
-                  [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+    sortOnThreads({to, static_cast<std::size_t>(n)}, keys);
   }
   template <class T> void copy(T* to, const T* from, int n) { std::copy_n(from, n, to); }
   /// Releases the scratch memory.
@@ -202,7 +202,8 @@ class CpuExecutor {
   template <class Kernel> void runPart(const Kernel& kernel, const Division::Part& part) {
     const SolverData& s = view();
     const auto runRange = [&](int begin, int end) {
-      run(s, kernel, end - begin, [&](int k) { return part.index ? part.index[begin + k] : begin + k; });
+      run(s, kernel, end - begin,
+          [index = part.index, begin](int k) { return index ? index[begin + k] : begin + k; });
     };
     runRange(0, part.counted);
     if (part.count == part.counted) return;
@@ -221,15 +222,11 @@ class CpuExecutor {
   }
 
   /// Calls the kernel for at(0), ..., at(n - 1), four at a time if it has a SIMD version.
-  template <class Kernel, class At> void run(const SolverData& s, const Kernel& kernel, int n, At&& at) {
-    forRange(n, [&](int begin, int end) {
-      if (backward_) {
-        for (int i = end; i-- > begin;) kernel(s, at(i));
-        return;
-      }
+  template <class Kernel, class At> void run(const SolverData& s, const Kernel& kernel, int n, const At& at) {
+    forRange(n, [&s, own = kernel, at, backward = backward_](int begin, int end) {
       int i = begin;
       if constexpr (requires(const Lane4& four) { Simd4Kernel<Kernel>::run(s, four); })
-        for (; i + kLanes <= end; i += kLanes) {
+        for (; i + kLanes <= end && !backward; i += kLanes) {
           const auto four = [&](auto&& f, int k) {
             if (k + kLanes <= end) f({at(k), at(k + 1), at(k + 2), at(k + 3)});
           };
@@ -239,11 +236,12 @@ class CpuExecutor {
           }
           four([&](const Lane4& a) { Simd4Kernel<Kernel>::run(s, a); }, i);
         }
-      for (; i < end; ++i) kernel(s, at(i));
+      const int first = backward ? begin + end - 1 : 0, step = backward ? -1 : 1;
+      for (; i < end; ++i) own(s, at(first + step * i));
     });
   }
   /// Calls f(begin, end) for subranges of [0, n) in parallel.
-  template <class F> void forRange(int n, F&& f) {
+  void forRange(int n, FunctionRef<void(int, int)> f) {
     // smaller ranges run serially
     constexpr int kGrain = 64;
     if (n <= kGrain || threads_.count() == 1) return f(0, n);
