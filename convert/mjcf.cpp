@@ -32,14 +32,16 @@ Model MjcfReader::read(pugi::xml_node root) {
   each("equality", [&](pugi::xml_node node) { readEquality(node); });
   if (level_ == 0) finishPairs(), finishLoops();
   each("keyframe", [&](pugi::xml_node node) { readKeyframes(node); });
-  if (!options_.key.empty() && !foundKey_)
+  if (level_ == 0 && !options_.key.empty() && !foundKey_)
     throw Error("--key", "the name or index of a keyframe of the model", "\"" + options_.key + "\"");
   each("actuator", [&](pugi::xml_node node) {
     for (const pugi::xml_node& child : source_.children(node)) readActuator(actuatorOf(child));
   });
+  noteFurtherControls();
   each("sensor", [&](pugi::xml_node node) {
     for (const pugi::xml_node& child : source_.children(node)) readSensor(Tag(source_, child));
   });
+  if (level_ == 0) finishSensors();
   return std::move(model_);
 }
 
