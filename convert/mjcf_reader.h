@@ -10,6 +10,7 @@
 #include "convert/geometry.h"
 #include "convert/mass_matrix.h"
 #include "convert/mjcf.h"
+#include "convert/mjcf_flex_mesh.h"
 #include "convert/tag.h"
 
 namespace rubble::convert {
@@ -206,6 +207,8 @@ class MjcfReader {
   Material materialOf(const Tag& tag);
 
   // mjcf_flex.cpp
+  /// Points and elements in the frame of the object; nothing for types that are not known.
+  std::optional<FlexMesh> flexMeshOf(const Tag& tag);
   void readFlexcomp(const Tag& tag, const MjcfScope& scope);
 
   // mjcf_joints.cpp
