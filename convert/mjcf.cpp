@@ -18,7 +18,9 @@ Model MjcfReader::read(pugi::xml_node root) {
   each("option", [&](pugi::xml_node node) { readOption(node); });
   each("default", [&](pugi::xml_node node) { readDefaults(node, "", 0); });
   each("asset", [&](pugi::xml_node node) { readAssets(node); });
+  each("extension", [&](pugi::xml_node node) { readExtension(node); });
   each("worldbody", [&](pugi::xml_node node) { readWorld(node); });
+  finishCables();
   if (model_.links.empty()) throw Error(source_.path(root) + ".worldbody", "a <worldbody>", "none");
   for (std::size_t i = 0; i < model_.links.size(); ++i)
     finishMass(model_.links[i], hasInertial_[i], geomMass_[i]);

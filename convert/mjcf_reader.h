@@ -67,6 +67,13 @@ struct MjcfSite {
   std::optional<Shape> volume = {};  ///< for touch sensors
 };
 
+/// Bodies that a plugin makes a cable of.
+struct MjcfCable {
+  double twist = 0, bend = 0;  ///< moduli [Pa]
+  bool isFlat = false;         ///< straight at rest
+  std::vector<int> links;
+};
+
 /// The coordinate that an actuator acts on, and its gear.
 struct MjcfActuator {
   std::pair<int, int> dof{-1, -1};
@@ -211,6 +218,15 @@ class MjcfReader {
   std::optional<FlexMesh> flexMeshOf(const Tag& tag);
   void readFlexcomp(const Tag& tag, const MjcfScope& scope);
 
+  // mjcf_cable.cpp
+  void readComposite(const Tag& tag, const MjcfScope& scope);
+  void expandCable(const Tag& tag, const std::string& childClass);
+  void readExtension(pugi::xml_node node);
+  void readCableConfig(pugi::xml_node node, MjcfCable& cable);
+  /// Of a body.
+  void readPlugin(const Tag& tag, const MjcfScope& scope);
+  void finishCables();
+
   // mjcf_joints.cpp
   void readJoint(const Tag& tag, const MjcfScope& scope);
   std::optional<std::array<double, 2>> limitOf(const Tag& tag, const char* range, const char* limited);
@@ -331,6 +347,7 @@ class MjcfReader {
   std::map<std::string, std::filesystem::path> attached_;  ///< files of <model>
   std::vector<MjcfLoop> loops_;
   std::vector<MjcfCamera> cameras_;
+  std::map<std::string, MjcfCable> cables_;  ///< by the instances of their plugins
   std::optional<MjcfSun> sun_;
   std::map<std::string, MjcfActuator> actuatorByName_;
   /// Degrees of freedom and tendons that an actuator acts on, and those of them that something else acts on.

@@ -24,7 +24,7 @@ const Reasons& elements() {
       {"skin", {Effect::None, kLook}},
       {"lengthrange", {Effect::None, "ranges of muscles"}},
       {"deformable", {Effect::Lost, "flexible objects of single bodies; author them as flexcomp"}},
-      {"composite", {Effect::Lost, "composite objects"}},
+      {"composite", {Effect::Lost, "composite objects other than cables"}},
       {"attach", {Effect::Lost, "models that are attached to this one"}},
       {"model", {Effect::Lost, "models that are attached to this one"}},
       {"extension", {Effect::Lost, "plugins"}},
