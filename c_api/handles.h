@@ -3,6 +3,8 @@
 #include <memory>
 #include <optional>
 
+#include <rubble/sensors.h>
+
 #include "c_api/guard.h"
 #include "io/recording.h"
 #include "io/scene_reader.h"
@@ -55,6 +57,10 @@ struct rb_run {
 
 struct rb_recorder {
   std::unique_ptr<rubble::io::RecordingWriter> writer;
+};
+
+struct rb_sensors {
+  rubble::Sensors sensors;
 };
 
 struct rb_recording {

@@ -22,7 +22,29 @@ JointAxis locked() {
   return axis;
 }
 
+/// A ball joint with springs or inertia of its own about each axis: a six_dof joint without travel.
+JointDef sprungBallOf(const Dof& dof, Report& report) {
+  JointDef joint;
+  joint.type = JointType::SixDof;
+  const Vec3 stiffness = dof.spring ? dof.spring->stiffness : Vec3{};
+  for (int k = 0; k < 3; ++k) {
+    joint.axes[static_cast<std::size_t>(k)] = locked();
+    JointAxis& axis = joint.axes[static_cast<std::size_t>(k) + 3];
+    axis.driveStiffness = stiffness[k] + dof.drive.stiffness, axis.driveDamping = dof.drive.damping;
+    axis.maxDriveForce = dof.drive.maxForce, axis.friction = dof.friction;
+    axis.damping = dof.damping, axis.armature = dof.armature;
+  }
+  if (dof.range)
+    report.note(Effect::Lost, dof.place, "joint.range",
+                "of a ball joint with springs of a cable or armature");
+  if (dof.armature > 0 || dof.drive.stiffness > 0)
+    report.note(Effect::Approximate, dof.place, dof.armature > 0 ? "joint.armature" : "joint.stiffness",
+                "of a ball joint it acts on swing and twist, which are its turns while they are small");
+  return joint;
+}
+
 JointDef ballOf(const Dof& dof, Report& report) {
+  if (dof.spring || dof.armature > 0) return sprungBallOf(dof, report);
   JointDef joint;
   joint.friction = dof.friction;
   const DofDrive& drive = dof.drive;
@@ -251,6 +273,7 @@ TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
   JointDef joint;
   Vec3 anchor = first.anchor;
   Quat frame;
+  std::optional<Quat> frameB;  // where it is not that of A at the beginning
   bool swapped = false;
   std::vector<std::pair<int, double>> axes{{0, 1}};
   if (link.dofs.size() > 1) {
@@ -261,6 +284,13 @@ TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
   } else if (first.type == DofType::Ball) {
     joint = ballOf(first, report);
     axes.front().first = -1;
+    if (first.spring) {
+      // axes of the springs are halfway between the two links at rest; the twist is about that of the parent
+      const Quat turn = normalize(link.pose.q * first.spring->rest);
+      frame = conjugate(normalize(Quat{1 + std::fabs(turn.s), turn.s < 0 ? -turn.v : turn.v}));
+      frameB = normalize(inParentBody.q * first.spring->rest * frame);
+      swapped = true;
+    }
   } else {
     joint.type = first.type == DofType::Hinge ? JointType::Hinge : JointType::Slider;
     joint.axes[0] = axisOf(first, 1);
@@ -268,7 +298,7 @@ TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
     joint.orientationAtoB = inParentBody.q;
   }
   joint.anchorA = anchor, joint.frameA = frame;
-  joint.anchorB = inParentBody * anchor, joint.frameB = normalize(inParentBody.q * frame);
+  joint.anchorB = inParentBody * anchor, joint.frameB = frameB.value_or(normalize(inParentBody.q * frame));
   if (swapped) std::swap(joint.anchorA, joint.anchorB), std::swap(joint.frameA, joint.frameB);
   return {std::move(joint), !swapped, std::move(axes)};
 }

@@ -18,7 +18,9 @@ Model MjcfReader::read(pugi::xml_node root) {
   each("option", [&](pugi::xml_node node) { readOption(node); });
   each("default", [&](pugi::xml_node node) { readDefaults(node, "", 0); });
   each("asset", [&](pugi::xml_node node) { readAssets(node); });
+  each("extension", [&](pugi::xml_node node) { readExtension(node); });
   each("worldbody", [&](pugi::xml_node node) { readWorld(node); });
+  finishCables();
   if (model_.links.empty()) throw Error(source_.path(root) + ".worldbody", "a <worldbody>", "none");
   for (std::size_t i = 0; i < model_.links.size(); ++i)
     finishMass(model_.links[i], hasInertial_[i], geomMass_[i]);
@@ -32,14 +34,16 @@ Model MjcfReader::read(pugi::xml_node root) {
   each("equality", [&](pugi::xml_node node) { readEquality(node); });
   if (level_ == 0) finishPairs(), finishLoops();
   each("keyframe", [&](pugi::xml_node node) { readKeyframes(node); });
-  if (!options_.key.empty() && !foundKey_)
+  if (level_ == 0 && !options_.key.empty() && !foundKey_)
     throw Error("--key", "the name or index of a keyframe of the model", "\"" + options_.key + "\"");
   each("actuator", [&](pugi::xml_node node) {
     for (const pugi::xml_node& child : source_.children(node)) readActuator(actuatorOf(child));
   });
+  noteFurtherControls();
   each("sensor", [&](pugi::xml_node node) {
     for (const pugi::xml_node& child : source_.children(node)) readSensor(Tag(source_, child));
   });
+  if (level_ == 0) finishSensors();
   return std::move(model_);
 }
 

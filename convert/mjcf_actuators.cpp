@@ -150,9 +150,8 @@ void MjcfReader::readActuator(const Tag& tag) {
   const double gear = target->gear, square = gear * gear;
   if (const std::pair key{target->dof, target->tendon}; key.first.first >= 0 || key.second >= 0) {
     const DofDrive& before = target->coordinate->drive;
-    const bool hasSpring = before.stiffness > 0 && !drivenCoordinates_.contains(key);
-    if (!drivenCoordinates_.insert(key).second) sharedCoordinates_.insert(key);
-    if (gear != 0) actuatorByName_[tag.name()] = {target->dof, target->tendon, gear, hasSpring};
+    if (!drivenCoordinates_.insert(key).second || before.stiffness > 0) sharedCoordinates_.insert(key);
+    if (gear != 0 && !tag.name().empty()) actuatorByName_[tag.name()] = {target->dof, target->tendon, gear};
   }
   const double control = controlOf(tag, index);
   std::optional<Law> law = lawOf(tag, control, activated < activations_.size() ? activations_[activated] : 0,

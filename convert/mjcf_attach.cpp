@@ -14,6 +14,7 @@ constexpr int kMostLevels = 8;
 /// The name of something that an attached model has.
 std::string& nameOf(auto& each) { return each.name; }
 std::string& nameOf(SoftObject& each) { return common(each.object).name; }
+std::string& nameOf(ModelSensor& each) { return each.sensor.name; }
 
 }  // namespace
 
@@ -24,12 +25,14 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   if (level_ == kMostLevels) tag.fail("model", "at most 8 levels of attached models", "more");
   Source source(source_.folders());
   const pugi::xml_node root = source.load(file->second, tag.path("model"));
-  const ImportOptions options;
+  // its keyframes have the prefix before their names; of several copies the first one starts in them
+  ImportOptions options;
+  if (!foundKey_ && options_.key.starts_with(prefix)) options.key = options_.key.substr(prefix.size());
   MjcfReader reader(source, options, report_);
-  reader.level_ = level_ + 1;
+  reader.level_ = level_ + 1, reader.frame_ = frame_ * scope.pose;
   Model part = reader.read(root);
   noteUnusedMjcf(source, report_);
-  elements_ += reader.elements_;
+  elements_ += reader.elements_, foundKey_ = foundKey_ || reader.foundKey_;
 
   const auto named = [&](const std::string& own) { return own.empty() ? own : prefix + own + scope.suffix; };
   // the links of the part that are taken over: which links they are now, and where in these
@@ -121,16 +124,20 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   if (!sun_ && reader.sun_ && moveFrame(*reader.sun_)) sun_ = reader.sun_;
 
   // what joins links of the part, if all of them are taken over
-  const auto takeOver = [&](auto& from, auto& to, const std::string& what, const auto& move) {
+  const auto takeOver = [&](auto& from, auto& to, const std::string& what, const auto& move,
+                            Effect effect = Effect::Lost) {
+    std::vector<int> indices;  // that they have now; -1: none
     for (auto& each : from) {
       if (!move(each)) {
-        report_.note(Effect::Lost, each.place, what + inQuotes(nameOf(each)),
-                     "its bodies are not all attached");
+        report_.note(effect, each.place, what + inQuotes(nameOf(each)), "its bodies are not all attached");
+        indices.push_back(-1);
         continue;
       }
       nameOf(each) = named(nameOf(each));
+      indices.push_back(static_cast<int>(to.size()));
       to.push_back(std::move(each));
     }
+    return indices;
   };
   takeOver(reader.loops_, loops_, "equality", [&](MjcfLoop& loop) {
     if (loop.anchor) return moveBody(loop.linkA) && moveBody(loop.linkB);
@@ -143,7 +150,7 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   takeOver(part.couplings, model_.couplings, "equality",
            [&](Coupling& coupling) { return moveDof(coupling.dofA) && moveDof(coupling.dofB); });
   std::size_t next = model_.tendons.size();
-  takeOver(part.tendons, model_.tendons, "tendon", [&](Tendon& tendon) {
+  const std::vector<int> tendons = takeOver(part.tendons, model_.tendons, "tendon", [&](Tendon& tendon) {
     bool whole = true;
     for (Tendon::Point& point : tendon.path) {
       const Pose* const in = moveLink(point.link);
@@ -176,8 +183,34 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
            [&](GeomPair& pair) { return moveGeom(pair.geomA) && moveGeom(pair.geomB); });
   for (std::pair<int, int> each : part.exclusions)
     if (moveBody(each.first) && moveBody(each.second)) model_.exclusions.push_back(each);
-  for (const ModelSensor& sensor : part.sensors)
-    report_.note(Effect::None, sensor.place, sensor.what, "a sensor of an attached model");
+  const auto moveCoordinate = [&](std::pair<int, int>& dof, int& tendon) {
+    if (tendon >= 0) return (tendon = tendons[static_cast<std::size_t>(tendon)]) >= 0;
+    return moveDof(dof);
+  };
+  add(actuatorByName_, reader.actuatorByName_,
+      [&](MjcfActuator& own) { return moveCoordinate(own.dof, own.tendon); });
+  const auto addCoordinates = [&](const auto& from, auto& to) {
+    for (auto own : from)
+      if (moveCoordinate(own.first, own.second)) to.insert(own);
+  };
+  addCoordinates(reader.drivenCoordinates_, drivenCoordinates_);
+  addCoordinates(reader.sharedCoordinates_, sharedCoordinates_);
+  takeOver(
+      part.sensors, model_.sensors, "sensor",
+      [&](ModelSensor& sensor) {
+        const auto mount = [&](int& link, Vec3& position, Quat& orientation) {
+          if (link < 0) return true;
+          const Pose* const in = moveLink(link);
+          if (in) position = *in * position, orientation = normalize(in->q * orientation);
+          return in != nullptr;
+        };
+        SensorDef& own = sensor.sensor;
+        const bool isOfAxis = sensor.dof.first >= 0 || sensor.tendon >= 0;
+        return mount(sensor.link, own.position, own.orientation) &&
+               mount(sensor.reference, own.referencePosition, own.referenceOrientation) &&
+               (!isOfAxis || moveCoordinate(sensor.dof, sensor.tendon));
+      },
+      Effect::None);
   // vertices are in the world of the part
   const Pose partInWorld = referencePose(scope.link) * scope.pose;
   takeOver(part.objects, model_.objects, "flexcomp", [&](SoftObject& object) {

@@ -72,8 +72,6 @@ void MjcfReader::readJoint(const Tag& tag, const MjcfScope& scope) {
   if (compiler_.friction) out.friction = friction;
   out.armature = tag.number("armature", 0);
   if (out.armature < 0) tag.fail("armature", "a number of at least 0", std::to_string(out.armature));
-  if (out.armature > 0 && out.type == DofType::Ball)
-    report_.note(Effect::Lost, tag.place(), "joint.armature", "of a ball joint");
   const std::pair<int, int> at{scope.link, static_cast<int>(own.dofs.size())};
   const auto springDamper = tag.range("springdamper");
   if (springDamper && (*springDamper)[0] > 0 && (*springDamper)[1] > 0) {

@@ -9,8 +9,8 @@ void MjcfReader::readKeyframes(pugi::xml_node node) {
   int index = 0;
   for (const pugi::xml_node& child : source_.children(node, "key")) {
     const Tag tag(source_, child);
-    const bool wanted = !options_.key.empty() &&
-                        (tag.name() == options_.key || std::to_string(index) == options_.key);
+    const bool wanted = !options_.key.empty() && (tag.name() == options_.key ||
+                                                  (level_ == 0 && std::to_string(index) == options_.key));
     if (wanted && !foundKey_) {
       foundKey_ = true;
       applyKey(tag);
@@ -40,7 +40,7 @@ void MjcfReader::readSpeeds(const Tag& tag) {
   for (Link& each : model_.links) {
     if (each.free) {
       each.velocity = vector(), each.velocityOfOrigin = true;
-      each.angularVelocity = rotate(each.start ? each.start->q : each.pose.q, vector());
+      each.angularVelocity = rotate(each.start ? each.start->q : (frame_ * each.pose).q, vector());
     }
     for (Dof& own : each.dofs) own.startSpeed = own.type == DofType::Ball ? vector() : Vec3{(*v)[at++], 0, 0};
   }
@@ -79,7 +79,7 @@ void MjcfReader::applyKey(const Tag& tag) {
   std::size_t mocap = 0;
   for (Link& each : model_.links) {
     if (!each.kinematic) continue;
-    Pose pose = each.pose;
+    Pose pose = frame_ * each.pose;
     if (places) pose.p = {(*places)[3 * mocap], (*places)[3 * mocap + 1], (*places)[3 * mocap + 2]};
     if (turns) pose.q = unit(*turns, 4 * mocap, "mquat");
     each.start = pose;
@@ -88,6 +88,16 @@ void MjcfReader::applyKey(const Tag& tag) {
   readSpeeds(tag);
   controls_ = tag.numbers("ctrl", 0, kMost).value_or(std::vector<double>{});
   activations_ = tag.numbers("act", 0, kMost).value_or(std::vector<double>{});
+  keyPlace_ = tag.place();
+}
+
+void MjcfReader::noteFurtherControls() {
+  const auto further = [](const std::vector<double>& list, std::size_t own) {
+    return std::any_of(list.begin() + static_cast<std::ptrdiff_t>(std::min(own, list.size())), list.end(),
+                       [](double each) { return each != 0; });
+  };
+  if (further(controls_, actuators_) || further(activations_, activated_))
+    report_.note(Effect::Lost, keyPlace_, "key.ctrl", "controls of actuators of attached models");
 }
 
 }  // namespace rubble::convert

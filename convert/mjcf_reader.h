@@ -10,6 +10,7 @@
 #include "convert/geometry.h"
 #include "convert/mass_matrix.h"
 #include "convert/mjcf.h"
+#include "convert/mjcf_flex_mesh.h"
 #include "convert/tag.h"
 
 namespace rubble::convert {
@@ -66,12 +67,18 @@ struct MjcfSite {
   std::optional<Shape> volume = {};  ///< for touch sensors
 };
 
-/// What sensors know of an actuator: the coordinate that it acts on, and its gear.
+/// Bodies that a plugin makes a cable of.
+struct MjcfCable {
+  double twist = 0, bend = 0;  ///< moduli [Pa]
+  bool isFlat = false;         ///< straight at rest
+  std::vector<int> links;
+};
+
+/// The coordinate that an actuator acts on, and its gear.
 struct MjcfActuator {
   std::pair<int, int> dof{-1, -1};
   int tendon = -1;
   double gear = 1;
-  bool isShared = false;  ///< something else acted on the coordinate before
 };
 
 /// A camera, which looks along its -z, or at the origin of a link.
@@ -207,7 +214,18 @@ class MjcfReader {
   Material materialOf(const Tag& tag);
 
   // mjcf_flex.cpp
+  /// Points and elements in the frame of the object; nothing for types that are not known.
+  std::optional<FlexMesh> flexMeshOf(const Tag& tag);
   void readFlexcomp(const Tag& tag, const MjcfScope& scope);
+
+  // mjcf_cable.cpp
+  void readComposite(const Tag& tag, const MjcfScope& scope);
+  void expandCable(const Tag& tag, const std::string& childClass);
+  void readExtension(pugi::xml_node node);
+  void readCableConfig(pugi::xml_node node, MjcfCable& cable);
+  /// Of a body.
+  void readPlugin(const Tag& tag, const MjcfScope& scope);
+  void finishCables();
 
   // mjcf_joints.cpp
   void readJoint(const Tag& tag, const MjcfScope& scope);
@@ -283,13 +301,17 @@ class MjcfReader {
   static std::optional<Shape> siteVolume(const Tag& site);
   /// The frame of an object; nothing for types that have none here.
   std::optional<MjcfSite> frameOf(const Tag& tag, const char* typeKey, const char* nameKey) const;
-  /// What a sensor of a joint, tendon or actuator reads. Returns why that is not possible, or nothing.
-  std::string readCoordinate(const Tag& tag, ModelSensor& out);
+  /// What a sensor of a joint, tendon or actuator reads; false if its actuator has no coordinate.
+  bool readCoordinate(const Tag& tag, ModelSensor& out);
+  /// Leaves sensors of the force of an actuator out where it is not alone.
+  void finishSensors();
 
   // mjcf_keyframes.cpp
   void readKeyframes(pugi::xml_node node);
   void applyKey(const Tag& tag);
   void readSpeeds(const Tag& tag);
+  /// Those of the keyframe beyond the actuators of this file.
+  void noteFurtherControls();
 
   Link& link(int i) { return model_.links[static_cast<std::size_t>(i)]; }
   Dof& dof(const std::pair<int, int>& at) { return link(at.first).dofs[static_cast<std::size_t>(at.second)]; }
@@ -317,6 +339,7 @@ class MjcfReader {
   std::map<std::string, int> freeByName_;       ///< links of free joints
   std::map<int, MassMatrix> massMatrices_;      ///< by the first link of their tree that moves
   std::vector<double> controls_, activations_;  ///< of the keyframe
+  Place keyPlace_;                              ///< its place
   std::size_t actuators_ = 0, activated_ = 0;   ///< read so far, and those with an activation
   std::size_t elements_ = 0;                    ///< of the tree of bodies, with repetitions
   /// Link and index in its geoms.
@@ -324,13 +347,15 @@ class MjcfReader {
   std::map<std::string, std::filesystem::path> attached_;  ///< files of <model>
   std::vector<MjcfLoop> loops_;
   std::vector<MjcfCamera> cameras_;
+  std::map<std::string, MjcfCable> cables_;  ///< by the instances of their plugins
   std::optional<MjcfSun> sun_;
   std::map<std::string, MjcfActuator> actuatorByName_;
-  /// Degrees of freedom and tendons that several actuators act on.
-  std::set<std::pair<std::pair<int, int>, int>> sharedCoordinates_, drivenCoordinates_;
+  /// Degrees of freedom and tendons that an actuator acts on, and those of them that something else acts on.
+  std::set<std::pair<std::pair<int, int>, int>> drivenCoordinates_, sharedCoordinates_;
   std::map<std::string, MjcfMaterial> materials_;
   std::map<std::string, Vec3> textures_;  ///< their mean colors
   int level_ = 0;                         ///< of attached models
+  Pose frame_;                            ///< of this model in the one that it is attached to
   bool foundKey_ = false;
 };
 

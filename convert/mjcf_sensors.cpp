@@ -86,7 +86,7 @@ void MjcfReader::readSensor(const Tag& tag) {
     report_.note(Effect::None, out.place, out.what, why);
   };
   const auto mount = [&](const MjcfSite& frame, int& link, Vec3& position, Quat& orientation) {
-    link = frame.link == 0 ? -1 : frame.link, position = frame.pose.p, orientation = frame.pose.q;
+    link = frame.link, position = frame.pose.p, orientation = frame.pose.q;
   };
   const std::string type = tag.type();
   if (const auto found = kAtSites.find(type); found != kAtSites.end()) {
@@ -114,7 +114,7 @@ void MjcfReader::readSensor(const Tag& tag) {
                    "the axes of a body are those of its frame, as of an xbody");
   } else if (const auto axis = kOfCoordinates.find(type); axis != kOfCoordinates.end()) {
     sensor.type = axis->second;
-    if (const std::string why = readCoordinate(tag, out); !why.empty()) return unused(why);
+    if (!readCoordinate(tag, out)) return unused("its actuator is none of a joint or tendon");
   } else if (type == "clock") {
     sensor.type = Type::Time;
   } else {
@@ -123,32 +123,39 @@ void MjcfReader::readSensor(const Tag& tag) {
   model_.sensors.push_back(std::move(out));
 }
 
-std::string MjcfReader::readCoordinate(const Tag& tag, ModelSensor& out) {
+bool MjcfReader::readCoordinate(const Tag& tag, ModelSensor& out) {
   const std::string type = tag.type();
   if (type.starts_with("joint")) {
     const std::string name = tag.need("joint");
     const auto found = dofByName_.find(name);
     if (found == dofByName_.end()) tag.fail("joint", "the name of a hinge or slide", "\"" + name + "\"");
     out.dof = found->second;
-    return "";
+    return true;
   }
   if (type.starts_with("tendon")) {
     const std::string name = tag.need("tendon");
     const auto found = tendonByName_.find(name);
     if (found == tendonByName_.end()) tag.fail("tendon", "the name of a tendon", "\"" + name + "\"");
     out.tendon = static_cast<int>(found->second);
-    return "";
+    return true;
   }
   const std::string name = tag.need("actuator");
   const auto found = actuatorByName_.find(name);
-  if (found == actuatorByName_.end()) return "its actuator is none of a joint or tendon";
+  if (found == actuatorByName_.end()) return false;
   const MjcfActuator& actuator = found->second;
   out.dof = actuator.dof, out.tendon = actuator.tendon;
-  const bool isForce = out.sensor.type == Type::DriveForce;
-  if (isForce && (actuator.isShared || sharedCoordinates_.contains({actuator.dof, actuator.tendon})))
-    return "other actuators or springs act on the same coordinate, and their forces are one";
-  out.sensor.scale = isForce ? 1 / actuator.gear : actuator.gear;
-  return "";
+  out.sensor.scale = out.sensor.type == Type::DriveForce ? 1 / actuator.gear : actuator.gear;
+  return true;
+}
+
+void MjcfReader::finishSensors() {
+  std::erase_if(model_.sensors, [&](const ModelSensor& each) {
+    if (each.sensor.type != Type::DriveForce || !sharedCoordinates_.contains({each.dof, each.tendon}))
+      return false;
+    report_.note(Effect::None, each.place, each.what,
+                 "other actuators or springs act on the same coordinate, and their forces are one");
+    return true;
+  });
 }
 
 }  // namespace rubble::convert

@@ -85,17 +85,24 @@ struct Coordinate {
 
 enum class DofType { Hinge, Slide, Ball };
 
+/// Springs of a ball joint about the axes of its link.
+struct BallSpring {
+  Vec3 stiffness;  ///< [N m/rad]
+  Quat rest;       ///< turn of the joint at rest
+};
+
 /// A joint of a link toward its parent. Several of one link act in their order, the first one next to the
 /// parent.
 struct Dof : Coordinate {
   DofType type = DofType::Hinge;
   std::string name;
   Place place;
-  Vec3 axis{0, 0, 1};    ///< in the frame of the link; hinge, slide
-  Vec3 anchor;           ///< in the frame of the link [m]; hinge, ball
-  double reference = 0;  ///< coordinate of the pose in the file [m], [rad]
-  double start = 0;      ///< coordinate at the beginning, relative to `reference` [m], [rad]
-  Quat startTurn;        ///< the same of a ball
+  Vec3 axis{0, 0, 1};                ///< in the frame of the link; hinge, slide
+  Vec3 anchor;                       ///< in the frame of the link [m]; hinge, ball
+  double reference = 0;              ///< coordinate of the pose in the file [m], [rad]
+  double start = 0;                  ///< coordinate at the beginning, relative to `reference` [m], [rad]
+  Quat startTurn;                    ///< the same of a ball
+  std::optional<BallSpring> spring;  ///< of a ball, besides its drive
   Vec3 startSpeed;  ///< its rate: x of a hinge or slide, of a ball in the frame of the link [m/s], [rad/s]
 };
 

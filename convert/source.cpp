@@ -141,6 +141,8 @@ Place Source::place(pugi::xml_node node) const {
   const auto found = fileOfRoot_.find(node.root().internal_object());
   if (found == fileOfRoot_.end()) return {};
   const File& file = files_[found->second];
+  while (node.offset_debug() < 0 && node.parent())
+    node = node.parent();  // an element that the import has made
   const auto after = std::upper_bound(file.lines.begin(), file.lines.end(), node.offset_debug());
   return {file.name, static_cast<int>(after - file.lines.begin())};
 }

@@ -458,4 +458,9 @@ FUNCTIONS = {
     "rb_painter_draw_world": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "rb_painter_draw_frame": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_write_png": (c_int, [c_char_p, c_void_p, c_int32, c_int32]),
+    "rb_sensors_create": (c_int, [c_void_p, c_void_p, c_void_p]),
+    "rb_sensors_destroy": (None, [c_void_p]),
+    "rb_sensors_update": (c_int, [c_void_p, c_void_p]),
+    "rb_sensors_values": (c_int, [c_void_p, c_void_p, c_void_p]),
+    "rb_sensors_list": (c_int, [c_void_p, c_void_p]),
 }

@@ -10,16 +10,14 @@ namespace {
 using convert::Effect;
 using convert::Import;
 using test::bodyNamed;
+using test::collide;
 using test::effectsOf;
+using test::expectNear;
 using test::importText;
 using test::jointNamed;
 using test::mjcf;
 
 constexpr double kPi = std::numbers::pi;
-
-void expectNear(const Vec3& a, const Vec3& b, double tolerance = 1e-12) {
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], tolerance) << "axis " << k;
-}
 
 TEST(Mjcf, AnglesAreDegreesUnlessTheCompilerSaysRadian) {
   const std::string
@@ -128,12 +126,6 @@ TEST(Mjcf, ASlideBehindAHingeMovesAlongItsOwnBody) {
 TEST(Mjcf, MocapBodiesAreKinematic) {
   const Import model = importText(mjcf("<body name='m' mocap='true'><geom size='1'/></body>"));
   EXPECT_EQ(bodyNamed(model, "m").motion, Motion::Kinematic);
-}
-
-/// Do two bodies collide by their filters?
-bool collide(const Import& model, const std::string& first, const std::string& second) {
-  const CollisionFilter &a = bodyNamed(model, first).filter, &b = bodyNamed(model, second).filter;
-  return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
 }
 
 TEST(Mjcf, GeomsCollideByContypeAndConaffinity) {
@@ -323,152 +315,6 @@ TEST(Mjcf, AnExplicitPairOfParentAndChildCollidesIfItIsAllThatWould) {
   EXPECT_FALSE(jointNamed(lost, "j").collide);
   EXPECT_EQ(lost.file.scene.exclusions.size(), 1u);
   EXPECT_EQ(effectsOf(lost, "pair"), std::vector{Effect::Lost});
-}
-
-TEST(Mjcf, PairsOfAttachedModelsAreTheirOwn) {
-  const test::ModelFolder folder;
-  const std::string masks = " contype='0' conaffinity='0'/>";
-  std::string bodies, pairs;
-  for (int k = 0; k < 8; ++k) {
-    const std::string own = std::to_string(k);
-    for (const char* side : {"a", "b"})
-      bodies += "<body name='" + (side + own) + "' pos='0 0 " + own + "'><freejoint/><geom name='" +
-                (side + own) + "' size='.1'" + masks + "</body>";
-    pairs += "<pair geom1='a" + own + "' geom2='b" + own + "'/>";
-  }
-  folder.write("part.xml", mjcf(bodies, "<contact>" + pairs + "</contact>"));
-  const auto attached = [&](int copies) {
-    std::string text;
-    for (int k = 0; k < copies; ++k)
-      text += "<attach model='m' prefix='" + std::string(1, static_cast<char>('p' + k)) + "_'/>";
-    return convert::importModel(
-        folder.write("whole.xml", mjcf(text, "<asset><model name='m' file='part.xml'/></asset>")));
-  };
-  const Import two = attached(2);
-  for (const char* copy : {"p_", "q_"}) {
-    EXPECT_TRUE(collide(two, copy + std::string("a0"), copy + std::string("b0")));
-    EXPECT_FALSE(collide(two, "p_a0", copy + std::string("b1")));
-  }
-  EXPECT_FALSE(collide(two, "p_a0", "q_b0"));
-  EXPECT_EQ(attached(9).report.count(Effect::Lost), 8u + 1u);  // of 72, and more than 32 combinations
-}
-
-TEST(Mjcf, TheWorldOfAnAttachedModelBecomesPartOfItsBody) {
-  const test::ModelFolder folder;
-  folder.write(
-      "part.xml",
-      mjcf("<geom name='base' type='box' size='.5 .5 .5' mass='3'/><site name='s' pos='1 0 0'/>"
-           "<camera name='eye' pos='0 4 0' mode='targetbody' target='rod'/>"
-           "<body name='rod' pos='0 0 2'><joint name='j'/><geom size='.1'/><site name='t'/></body>",
-           "<equality><connect name='tie' body1='rod' anchor='0 0 1'/><connect name='knot' site1='s' "
-           "site2='t'/>"
-           "</equality>"
-           "<tendon><spatial name='cord' stiffness='5'><site site='s'/><site site='t'/></spatial></tendon>"));
-  const Import model = convert::importModel(folder.write(
-      "whole.xml", mjcf("<body name='host' pos='0 0 5'><freejoint/><geom size='.1' mass='1'/>"
-                        "<frame pos='1 0 0' euler='0 0 90'><attach model='m' prefix='p_'/></frame></body>",
-                        "<asset><model name='m' file='part.xml'/></asset><tendon><spatial name='own' "
-                        "stiffness='1'><site site='p_s'/><site site='p_t'/></spatial></tendon>")));
-  EXPECT_NEAR(*bodyNamed(model, "host").mass, 4, 1e-12);
-  expectNear(massProperties(bodyNamed(model, "host").shape, 1).center, {0.75, 0, 0});
-  EXPECT_EQ(model.report.count(Effect::Lost), 0u) << convert::textOf(model.report, true);
-  for (const char* name : {"p_cord", "own"}) {
-    const auto path = std::any_cast<TendonFields>(jointNamed(model, name).own).path;
-    ASSERT_EQ(path.size(), 10u);
-    expectNear({path[1], path[2], path[3]}, {1, 1, 0}), expectNear({path[6], path[7], path[8]}, {0, 0, 0});
-  }
-  // the world that the equality names is that of the whole model
-  const JointDef& tie = jointNamed(model, "p_tie");
-  EXPECT_EQ(tie.bodyB, kWorld);
-  expectNear(tie.anchorA, {0, 0, 1}), expectNear(tie.anchorB, {1, 0, 8});
-  const JointDef& knot = jointNamed(model, "p_knot");
-  expectNear(knot.anchorA, {1, 1, 0}), expectNear(knot.anchorB, {0, 0, 0});
-  // its camera stands 4 m beside the axis of the part and looks at the rod, 2 m above
-  const auto& camera = model.file.camera;
-  ASSERT_TRUE(camera);
-  expectNear(camera->eye, {-3, 0, 5}, 1e-9);
-  expectNear(normalize(camera->target - camera->eye), normalize(Vec3{4, 0, 2}), 1e-9);
-}
-
-TEST(Mjcf, FlexibleObjectsOfAttachedModelsMoveWithThem) {
-  const test::ModelFolder folder;
-  folder.write("part.xml",
-               mjcf("<body name='b' pos='0 0 1'><joint/><geom size='.1'/><flexcomp name='f' type='grid' "
-                    "dim='1' count='3 1 1' spacing='.5 1 1'><pin id='0'/></flexcomp></body>"));
-  const Import model = convert::importModel(folder.write(
-      "whole.xml", mjcf("<frame pos='3 0 0' euler='0 0 90'><attach model='m' body='b' prefix='p_'/></frame>",
-                        "<asset><model name='m' file='part.xml'/></asset>")));
-  const Scene& scene = model.file.scene;
-  ASSERT_EQ(scene.deformables.size(), 1u) << convert::textOf(model.report, true);
-  EXPECT_EQ(common(scene.deformables[0]).name, "p_f");
-  expectNear(common(scene.deformables[0]).vertices.at(0), {3, -0.5, 1}, 1e-9);
-  ASSERT_EQ(scene.attachments.size(), 1u);
-  EXPECT_EQ(scene.bodies.at(static_cast<std::size_t>(scene.attachments[0].body)).name, "p_b");
-}
-
-TEST(Mjcf, AttachedModelsKeepWhatJoinsTheirBodies) {
-  const test::ModelFolder folder;
-  folder.write(
-      "parts/hand.xml",
-      mjcf("<body name='palm' pos='1 0 0'><joint name='wrist' damping='2'/><geom size='.1' mass='3'/>"
-           "<site name='s'/><body name='finger' pos='0 0 1'><joint name='knuckle'/><geom size='.1'/>"
-           "<site name='t'/></body></body><body name='other'><freejoint/><geom size='.1'/></body>",
-           "<tendon><spatial name='cord' stiffness='5'><site site='s'/><site site='t'/></spatial>"
-           "</tendon><actuator><position joint='knuckle' kp='7'/></actuator>"
-           "<equality><connect body1='other' body2='finger' anchor='0 0 0'/></equality>"));
-  const Import model = convert::importModel(folder.write(
-      "robot.xml", mjcf("<body name='arm' pos='0 0 2'><joint name='elbow'/><geom size='.1'/>"
-                        "<frame pos='0 1 0' euler='0 0 90'><attach model='hand' body='palm' prefix='l_'/>"
-                        "</frame></body><attach model='hand' prefix='w_'/>",
-                        "<asset><model name='hand' file='parts/hand.xml'/></asset>"
-                        "<equality><joint joint1='l_knuckle' joint2='elbow'/></equality>")));
-  expectNear(bodyNamed(model, "l_palm").position, {0, 2, 2});
-  expectNear(bodyNamed(model, "l_finger").position, {0, 2, 3});
-  expectNear(bodyNamed(model, "w_palm").position, {1, 0, 0});
-  EXPECT_NEAR(*bodyNamed(model, "l_palm").mass, 3, 1e-12);
-  EXPECT_DOUBLE_EQ(jointNamed(model, "l_wrist").axes[0].damping, 2);
-  EXPECT_DOUBLE_EQ(jointNamed(model, "w_knuckle").axes[0].driveStiffness, 7);
-  EXPECT_DOUBLE_EQ(jointNamed(model, "l_cord").axes[0].driveStiffness, 5);
-  // the loop of the first copy needs a body that is not attached
-  EXPECT_EQ(model.report.count(Effect::Lost), 1u) << convert::textOf(model.report, true);
-  EXPECT_EQ(model.file.scene.bodies.size(), 6u);
-  folder.write("a.xml",
-               mjcf("<attach model='b' prefix='x'/>", "<asset><model name='b' file='b.xml'/></asset>"));
-  const std::string cycle = folder.write(
-      "b.xml", mjcf("<attach model='a' prefix='y'/>", "<asset><model name='a' file='a.xml'/></asset>"));
-  EXPECT_THROW(convert::importModel(cycle), Error);
-}
-
-TEST(Mjcf, PinsOfFlexcompsAreRangesAndPlaces) {
-  const auto pinned = [](const std::string& pin) {
-    const Import model = importText(
-        mjcf("<flexcomp name='f' type='grid' dim='2' count='4 3 1' spacing='.1 .1 .1' "
-             "mass='1' pos='0 0 1'><pin " +
-             pin + "/><elasticity young='1e5'/></flexcomp>"));
-    std::vector<int> fixed = common(model.file.scene.deformables.at(0)).fixed;
-    std::sort(fixed.begin(), fixed.end());
-    return fixed;
-  };
-  EXPECT_EQ(pinned("range='2 4'"), (std::vector<int>{2, 3, 4}));
-  EXPECT_EQ(pinned("grid='0 2 3 1'"), (std::vector<int>{2, 10}));
-  EXPECT_EQ(pinned("gridrange='1 0 2 1'"), (std::vector<int>{3, 4, 6, 7}));
-  EXPECT_THROW(pinned("gridrange='1 0 4 1'"), Error);
-}
-
-TEST(Mjcf, FlexcompsAreCablesClothAndSolidsOfTheirMass) {
-  for (const int dimension : {1, 2, 3}) {
-    const std::string count = dimension == 1 ? "5 1 1" : dimension == 2 ? "5 4 1" : "5 4 3";
-    const Import model = importText(mjcf("<flexcomp name='f' type='grid' dim='" + std::to_string(dimension) +
-                                         "' count='" + count +
-                                         "' spacing='.1 .1 .1' mass='2' pos='0 0 1' radius='.01'><pin id='0 "
-                                         "1'/><elasticity young='1e5'/></flexcomp>"));
-    ASSERT_EQ(model.file.scene.deformables.size(), 1u);
-    const Deformable& object = model.file.scene.deformables[0];
-    EXPECT_EQ(object.index(), dimension == 1 ? 2u : dimension == 2 ? 1u : 0u);
-    EXPECT_EQ(common(object).fixed, (std::vector{0, 1}));
-    EXPECT_EQ(common(object).vertices.size(), dimension == 1 ? 5u : dimension == 2 ? 20u : 60u);
-    expectNear(common(object).vertices[0], {-.2, dimension > 1 ? -.15 : 0, dimension > 2 ? .9 : 1});
-  }
 }
 
 TEST(Mjcf, AModelThatIsUsedInFullIsExact) {

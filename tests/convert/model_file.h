@@ -74,6 +74,16 @@ inline const JointDef& jointNamed(const convert::Import& import, const std::stri
   if (found == joints.end()) throw Error("joints", "a joint of that name", name);
   return *found;
 }
+/// Do two bodies collide by their filters?
+inline bool collide(const convert::Import& model, const std::string& first, const std::string& second) {
+  const CollisionFilter &a = bodyNamed(model, first).filter, &b = bodyNamed(model, second).filter;
+  return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
+}
+
+inline void expectNear(const Vec3& a, const Vec3& b, double tolerance = 1e-12) {
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], tolerance) << "axis " << k;
+}
+
 /// The effects of the notes about `what`.
 inline std::vector<convert::Effect> effectsOf(const convert::Import& import, const std::string& what) {
   std::vector<convert::Effect> out;

@@ -72,6 +72,34 @@ class Scenes(Case):
             with self.assertRaises(rubble.Error):
                 rubble.load(file, strict=True)
 
+    def test_sensors_of_a_model_are_read_after_each_step(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "arm.xml")
+            with open(file, "w", encoding="utf-8") as out:
+                out.write("<mujoco><worldbody><body name='arm'><joint name='j' axis='0 1 0' damping='1'/>"
+                          "<geom size='0.1' pos='0 0 -1' mass='2'/><site name='s'/></body></worldbody><sensor>"
+                          "<force name='weight' site='s'/><jointpos joint='j'/></sensor></mujoco>")
+            scene = rubble.load(file)
+        self.assertEqual(scene.add_sensor("position", name="bob", body="arm", position=(0, 0, -1)), 2)
+        self.assertInvalid("sensors[3].type", lambda: scene.add_sensor("smell"))
+        world = rubble.World(scene, threads=1)
+        sensors = rubble.Sensors(world, scene)
+        self.assertEqual(sensors.names, ["weight", "sensor_1", "bob"])
+        self.assertEqual(sensors.types, ["force", "joint_position", "position"])
+        self.assertNear(sensors.values, np.zeros(7))
+        world.bodies["arm"].velocity, world.bodies["arm"].angular_velocity = (-1, 0, 0), (0, 1, 0)
+        for _ in range(10):
+            world.step()
+            sensors.update()
+        angle = sensors["sensor_1"][0]
+        self.assertGreater(angle, 0.01)
+        self.assertNear(sensors["bob"], (-np.sin(angle), 0, -np.cos(angle)), 1e-5)
+        self.assertNear(np.concatenate(list(sensors)), sensors.values)
+        with self.assertRaises(KeyError):
+            sensors["gyro"]
+        other = rubble.World(rubble.Scene(), threads=1)
+        self.assertInvalid("sensors[0].body", lambda: rubble.Sensors(other, scene))
+
     def test_a_rod_is_bodies_and_joints(self):
         scene = rubble.Scene()
         rod = scene.add_rod([(0, 0, 1), (1, 0, 1), (2, 0, 1)], radius=0.02, start="world", name="rod")

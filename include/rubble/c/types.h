@@ -45,6 +45,7 @@ typedef struct rb_run rb_run;
 typedef struct rb_recorder rb_recorder;
 typedef struct rb_recording rb_recording;
 typedef struct rb_painter rb_painter;
+typedef struct rb_sensors rb_sensors;
 
 /// Ids: slot index and generation. Index -1: none, or the static world.
 typedef struct rb_body_id {
