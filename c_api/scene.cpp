@@ -23,6 +23,9 @@ std::size_t sizeOf(const io::SceneFile& file, const std::string& list) {
   if (list == "attachments") return scene.attachments.size();
   if (list == "exclusions") return scene.exclusions.size();
   if (list == "events") return scene.events.size();
+  if (list == "sensors") return file.sensors.size();
+  if (list == "looks") return file.appearance.looks.size();
+  if (list == "cameras") return file.appearance.cameras.size();
   if (list == "verdict") return file.claims.size();
   throw Error("list", "a list of a scene, such as \"bodies\"", "\"" + list + "\"");
 }

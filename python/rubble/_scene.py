@@ -108,7 +108,7 @@ class Scene:
 
     def add(self, list: str, definition: Any) -> int:
         """Adds an element to "bodies", "joints", "deformables", "attachments", "exclusions", "events",
-        "material_pairs" or "verdict". Returns its index."""
+        "sensors", "looks", "cameras", "material_pairs" or "verdict". Returns its index."""
         out = ctypes.c_int64()
         check(lib.rb_scene_add(self._pointer, list.encode(), encode(definition), ctypes.byref(out)))
         return out.value
@@ -143,6 +143,11 @@ class Scene:
     def add_event(self, step: int, **actions: Any) -> int:
         """Adds an event that a `Run` applies before a step: add, remove, set_velocity and others."""
         return self.add("events", {"step": step, **actions})
+
+    def add_sensor(self, type: str, **fields: Any) -> int:
+        """A sensor for `rubble.Sensors`: type ("acceleration", "touch", "joint_position" and others), name,
+        body, position, orientation, joint, axis, volume and other keys of scene files."""
+        return self.add("sensors", {"type": type, **fields})
 
     def exclude(self, a: Union[str, int], b: Union[str, int]) -> int:
         """Two bodies that do not collide."""

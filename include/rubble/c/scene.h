@@ -31,8 +31,9 @@ RB_API rb_status rb_scene_build(const char* name, const char* arguments, rb_scen
 RB_API void rb_scene_destroy(rb_scene* scene);
 /// Sets a key that is no list: "name", "gravity", "materials", "shapes", "camera", "steps" and others.
 RB_API rb_status rb_scene_set(rb_scene* scene, const char* key, const char* json);
-/// Adds an element to a list: "bodies", "joints", "deformables", "attachments", "exclusions", "events" or
-/// "verdict". What it names must have been added before. `index` (may be null): its place in the list.
+/// Adds an element to a list: "bodies", "joints", "deformables", "attachments", "exclusions", "events",
+/// "sensors", "looks", "cameras", "material_pairs" or "verdict". What it names must have been added before.
+/// `index` (may be null): its place in the list.
 RB_API rb_status rb_scene_add(rb_scene* scene, const char* list, const char* json, int64_t* index);
 /// Adds a rod of rigid segments. Outputs: first body and number of bodies, first joint and number of joints.
 RB_API rb_status rb_scene_add_rod(rb_scene* scene, const char* json, int32_t parts[4]);
