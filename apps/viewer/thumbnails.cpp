@@ -8,9 +8,9 @@ namespace rubble::viewer {
 namespace {
 
 /// A scene is drawn after it has been looked at for so long [s].
-constexpr double kPatience = .15;
+constexpr double kPatience = 0.15;
 /// Room around the bodies [1], and the vertical angle of view [rad].
-constexpr double kRoom = .1, kFieldOfView = .5;
+constexpr double kRoom = 0.1, kFieldOfView = 0.5;
 
 }  // namespace
 

@@ -169,7 +169,7 @@ TEST(ViewPlan, LooksAroundAWallAndLeavesOutABox) {
     body.key = key;
     return body;
   };
-  io::PictureBody ball = bodyOf(Shape::sphere(.5), {0, 0, 1});
+  io::PictureBody ball = bodyOf(Shape::sphere(0.5), {0, 0, 1});
   ball.key = 9;
   const Framing front{{0, 1, 0}};
   // a wall between the eye and the ball
@@ -191,8 +191,8 @@ TEST(ViewPlan, LooksAroundAWallAndLeavesOutABox) {
 }
 
 TEST(ViewPlan, LeavesTheHidingWallOutWhereTheCameraIsGiven) {
-  io::PictureBody wall = bodyOf(Shape::box({3, .1, 3}), {0, -1.2, 0}),
-                  ball = bodyOf(Shape::sphere(.5), {0, 0, 1});
+  io::PictureBody wall = bodyOf(Shape::box({3, 0.1, 3}), {0, -1.2, 0}),
+                  ball = bodyOf(Shape::sphere(0.5), {0, 0, 1});
   wall.motion = Motion::Static, wall.key = 1, ball.key = 2;
   const std::vector<std::vector<io::PictureBody>> moments{{wall, ball}};
   const Framing front{{0, 1, 0}};
