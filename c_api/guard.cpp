@@ -106,6 +106,12 @@ JointArray jointArrayOf(std::int32_t which) {
   return static_cast<JointArray>(which);
 }
 
+VertexArray vertexArrayOf(std::int32_t which) {
+  if (which < RB_VERTEX_POSITION || which > RB_VERTEX_VELOCITY)
+    throw Error("which", "a vertex array, 0 or 1", std::to_string(which));
+  return static_cast<VertexArray>(which);
+}
+
 SensorArray sensorArrayOf(std::int32_t which) {
   if (which < RB_SENSOR_CONTACT_FORCE || which > RB_SENSOR_JOINT_TORQUE)
     throw Error("which", "a sensor array, 0 to 5", std::to_string(which));

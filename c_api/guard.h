@@ -93,9 +93,10 @@ void giveIds(std::vector<T>& kept, const std::vector<Id>& ids, const T** list, s
 
 /// Throws Error unless it is one of rb_state_array.
 StateArray stateArrayOf(std::int32_t which);
-/// The same for rb_joint_array and rb_sensor_array.
+/// The same for rb_joint_array, rb_sensor_array and rb_vertex_array.
 JointArray jointArrayOf(std::int32_t which);
 SensorArray sensorArrayOf(std::int32_t which);
+VertexArray vertexArrayOf(std::int32_t which);
 
 QueryFilter filterOf(const rb_query_filter& filter);
 RayQuery queryOf(const rb_ray& ray);

@@ -3,8 +3,6 @@
 #include <memory>
 #include <optional>
 
-#include <rubble/sensors.h>
-
 #include "c_api/guard.h"
 #include "io/recording.h"
 #include "io/scene_reader.h"
@@ -33,11 +31,11 @@ struct rb_world {
   rubble::StepReport report;
   std::vector<rb_body_id> bodies, added, overlapping;
   std::vector<rb_shape_id> shapes;
-  std::vector<rb_joint_id> joints, axisJoints;
+  std::vector<rb_joint_id> joints, jointsOf, axisJoints;
   std::vector<std::int32_t> axes;
   std::vector<rb_deformable_id> deformables;
   std::vector<rb_attachment_id> attachments;
-  std::vector<rb_contact_point> contacts, eventPoints;
+  std::vector<rb_contact_point> contacts, contactsOf, eventPoints;
   std::vector<rb_vertex_contact> vertexContacts;
   std::vector<rb_solver_state> solverStates, vertexSolverStates;
   std::vector<rb_contact_event> contactEvents;
@@ -47,6 +45,10 @@ struct rb_world {
   std::vector<rb_hit> hits;  ///< of queries that give all
   std::vector<double> surfaceVertices;
   std::vector<std::int32_t> surfaceTriangles, surfaceSegments;
+  rubble::DebugDraw drawing;
+  std::vector<rb_debug_line> drawnLines;
+  std::vector<rb_debug_triangle> drawnTriangles;
+  std::vector<rb_debug_text> drawnTexts;
 };
 
 struct rb_run {
@@ -57,10 +59,6 @@ struct rb_run {
 
 struct rb_recorder {
   std::unique_ptr<rubble::io::RecordingWriter> writer;
-};
-
-struct rb_sensors {
-  rubble::Sensors sensors;
 };
 
 struct rb_recording {

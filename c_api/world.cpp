@@ -74,6 +74,10 @@ rb_status rb_world_step(rb_world* world, rb_step_report* report) {
   });
 }
 
+rb_status rb_world_run_events(rb_world* world) {
+  return guarded([&] { worldOf(world).runEvents(); });
+}
+
 rb_status rb_world_report(rb_world* world, const char** json) {
   return guarded([&] { need(json, "json") = keepText(reportJson(need(world, "world").report).dump()); });
 }
@@ -136,6 +140,14 @@ rb_status rb_world_reserve(rb_world* world, const char* kind, int32_t count) {
 
 rb_status rb_world_hash(const rb_world* world, uint64_t* hash) {
   return guarded([&] { need(hash, "hash") = worldOf(world).hash(); });
+}
+
+rb_status rb_world_table_hashes(const rb_world* world, const char** json) {
+  return guarded([&] {
+    nlohmann::ordered_json out = nlohmann::ordered_json::object();
+    for (const TableHash& table : worldOf(world).tableHashes()) out[table.table] = table.hash;
+    need(json, "json") = keepText(out.dump());
+  });
 }
 
 rb_status rb_world_snapshot(const rb_world* world, rb_snapshot** snapshot) {

@@ -56,6 +56,24 @@ rb_status rb_world_sensor_array(const rb_world* world, int32_t which, rb_array* 
   return guarded([&] { need(array, "array") = toC(worldOf(world).array(sensorArrayOf(which))); });
 }
 
+rb_status rb_world_vertex_array(const rb_world* world, int32_t which, rb_array* array) {
+  return guarded([&] { need(array, "array") = toC(worldOf(world).array(vertexArrayOf(which))); });
+}
+
+rb_status rb_world_first_vertex(const rb_world* world, rb_deformable_id object, int32_t* row) {
+  return guarded([&] { need(row, "row") = worldOf(world).firstVertex(idOf(object)); });
+}
+
+rb_status rb_world_contact_forces(const rb_world* world, const rb_body_id* pairs, int64_t count,
+                                  rb_array* array) {
+  return guarded([&] {
+    const std::vector<BodyId> ids = idsOf(pairs, 2 * count);
+    std::vector<std::array<BodyId, 2>> of;
+    for (std::size_t k = 0; k < ids.size(); k += 2) of.push_back({ids[k], ids[k + 1]});
+    need(array, "array") = toC(worldOf(world).contactForces(of));
+  });
+}
+
 rb_status rb_world_axes(rb_world* world, const rb_joint_id** joints, const int32_t** axes, int64_t* count) {
   return guarded([&] {
     World& own = worldOf(world);

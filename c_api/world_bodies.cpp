@@ -6,6 +6,17 @@
 using namespace rubble;
 using namespace rubble::c;
 
+namespace {
+
+void givePoints(std::vector<rb_contact_point>& kept, const std::vector<ContactPoint>& points,
+                const rb_contact_point** list, int64_t* count) {
+  kept.clear();
+  for (const ContactPoint& point : points) kept.push_back(toC(point));
+  give(kept, list, count);
+}
+
+}  // namespace
+
 extern "C" {
 
 rb_status rb_world_add_body(rb_world* world, const char* json, rb_body_id* body) {
@@ -90,6 +101,29 @@ rb_status rb_world_set_body_states(rb_world* world, const rb_body_id* bodies, in
   });
 }
 
+rb_status rb_world_set_velocity(rb_world* world, rb_body_id body, const double velocity[3],
+                                const double angular_velocity[3]) {
+  return guarded([&] { worldOf(world).setVelocity(idOf(body), vec(velocity), vec(angular_velocity)); });
+}
+
+rb_status rb_world_body_user_data(const rb_world* world, rb_body_id body, uint64_t* user_data) {
+  return guarded([&] { need(user_data, "user_data") = worldOf(world).userData(idOf(body)); });
+}
+
+rb_status rb_world_set_body_user_data(rb_world* world, rb_body_id body, uint64_t user_data) {
+  return guarded([&] { worldOf(world).setUserData(idOf(body), user_data); });
+}
+
+rb_status rb_world_joints_of(rb_world* world, rb_body_id body, const rb_joint_id** joints, int64_t* count) {
+  return guarded(
+      [&] { giveIds(need(world, "world").jointsOf, worldOf(world).jointsOf(idOf(body)), joints, count); });
+}
+
+rb_status rb_world_material_of(const rb_world* world, rb_body_id body, int32_t part, const char** json) {
+  return guarded(
+      [&] { need(json, "json") = keepText(io::toJson(worldOf(world).materialOf(idOf(body), part))); });
+}
+
 rb_status rb_world_set_target(rb_world* world, rb_body_id body, const double position[3],
                               const double orientation[4]) {
   return guarded([&] { worldOf(world).setTarget(idOf(body), vec(position), quat(orientation)); });
@@ -112,6 +146,15 @@ rb_status rb_world_apply_impulse(rb_world* world, rb_body_id body, const double 
   return guarded([&] { worldOf(world).applyImpulse(idOf(body), vec(impulse)); });
 }
 
+rb_status rb_world_apply_impulse_at(rb_world* world, rb_body_id body, const double impulse[3],
+                                    const double point[3]) {
+  return guarded([&] { worldOf(world).applyImpulseAt(idOf(body), vec(impulse), vec(point)); });
+}
+
+rb_status rb_world_apply_angular_impulse(rb_world* world, rb_body_id body, const double impulse[3]) {
+  return guarded([&] { worldOf(world).applyAngularImpulse(idOf(body), vec(impulse)); });
+}
+
 rb_status rb_world_apply_forces(rb_world* world, const rb_body_id* bodies, int64_t count,
                                 const double* forces, const double* torques) {
   return guarded([&] {
@@ -126,10 +169,14 @@ rb_status rb_world_apply_impulses(rb_world* world, const rb_body_id* bodies, int
 }
 
 rb_status rb_world_contacts(rb_world* world, const rb_contact_point** contacts, int64_t* count) {
+  return guarded(
+      [&] { givePoints(need(world, "world").contacts, worldOf(world).contacts(), contacts, count); });
+}
+
+rb_status rb_world_contacts_of(rb_world* world, rb_body_id body, const rb_contact_point** contacts,
+                               int64_t* count) {
   return guarded([&] {
-    need(world, "world").contacts.clear();
-    for (const ContactPoint& point : worldOf(world).contacts()) world->contacts.push_back(toC(point));
-    give(world->contacts, contacts, count);
+    givePoints(need(world, "world").contactsOf, worldOf(world).contactsOf(idOf(body)), contacts, count);
   });
 }
 

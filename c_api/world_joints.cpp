@@ -86,6 +86,14 @@ rb_status rb_world_joint_state(const rb_world* world, rb_joint_id joint, rb_join
   return guarded([&] { need(state, "state") = toC(worldOf(world).state(idOf(joint))); });
 }
 
+rb_status rb_world_joint_user_data(const rb_world* world, rb_joint_id joint, uint64_t* user_data) {
+  return guarded([&] { need(user_data, "user_data") = worldOf(world).userData(idOf(joint)); });
+}
+
+rb_status rb_world_set_joint_user_data(rb_world* world, rb_joint_id joint, uint64_t user_data) {
+  return guarded([&] { worldOf(world).setUserData(idOf(joint), user_data); });
+}
+
 rb_status rb_world_set_joint(rb_world* world, rb_joint_id joint, const char* json) {
   return guarded([&] {
     JointDef def = worldOf(world).definition(idOf(joint));
@@ -100,6 +108,10 @@ rb_status rb_world_set_target_position(rb_world* world, rb_joint_id joint, int32
 
 rb_status rb_world_set_target_speed(rb_world* world, rb_joint_id joint, int32_t axis, double speed) {
   return guarded([&] { worldOf(world).setTargetSpeed(idOf(joint), axis, speed); });
+}
+
+rb_status rb_world_set_motor_force(rb_world* world, rb_joint_id joint, int32_t axis, double force) {
+  return guarded([&] { worldOf(world).setMotorForce(idOf(joint), axis, force); });
 }
 
 rb_status rb_world_set_limits(rb_world* world, rb_joint_id joint, int32_t axis, double min, double max) {

@@ -58,6 +58,14 @@ rb_status rb_world_deformable_name(const rb_world* world, rb_deformable_id objec
   return guarded([&] { need(name, "name") = common(worldOf(world).definition(idOf(object))).name.c_str(); });
 }
 
+rb_status rb_world_deformable_user_data(const rb_world* world, rb_deformable_id object, uint64_t* user_data) {
+  return guarded([&] { need(user_data, "user_data") = worldOf(world).userData(idOf(object)); });
+}
+
+rb_status rb_world_set_deformable_user_data(rb_world* world, rb_deformable_id object, uint64_t user_data) {
+  return guarded([&] { worldOf(world).setUserData(idOf(object), user_data); });
+}
+
 rb_status rb_world_vertex_count(const rb_world* world, rb_deformable_id object, int64_t* count) {
   return guarded([&] { need(count, "count") = worldOf(world).vertexCount(idOf(object)); });
 }

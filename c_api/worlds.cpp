@@ -138,6 +138,14 @@ rb_status rb_worlds_sensor_array(const rb_worlds* worlds, int32_t which, rb_arra
   return guarded([&] { need(array, "array") = toC(worldsOf(worlds).array(sensorArrayOf(which))); });
 }
 
+rb_status rb_worlds_vertex_array(const rb_worlds* worlds, int32_t which, rb_array* array) {
+  return guarded([&] { need(array, "array") = toC(worldsOf(worlds).array(vertexArrayOf(which))); });
+}
+
+rb_status rb_worlds_first_vertex(const rb_worlds* worlds, int32_t number, int32_t* row) {
+  return guarded([&] { need(row, "row") = worldsOf(worlds).firstVertex(number); });
+}
+
 rb_status rb_worlds_first_axis(const rb_worlds* worlds, int32_t number, int32_t* row) {
   return guarded([&] { need(row, "row") = worldsOf(worlds).firstAxis(number); });
 }

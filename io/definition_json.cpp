@@ -283,6 +283,8 @@ std::string toJson(const Deformable& deformable) {
   return deformableJson(deformable, materialJson(common(deformable).material)).dump();
 }
 
+std::string toJson(const Material& material) { return materialJson(material).dump(); }
+
 std::string toJson(std::span<const MaterialPair> pairs) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const MaterialPair& pair : pairs) json.push_back(materialPairJson(pair));

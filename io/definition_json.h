@@ -62,6 +62,7 @@ std::string toJson(const BodyDef& body);
 std::string toJson(const JointDef& joint);
 std::string toJson(const Deformable& deformable);
 std::string toJson(const Params& params);
+std::string toJson(const Material& material);
 std::string toJson(std::span<const MaterialPair> pairs);
 
 /// Name of a parameter in files: "sort_interval" of "sortInterval".

@@ -56,7 +56,7 @@ Vec3 upOf(const Vec3& gravity) { return normalize(-gravity, {0, 0, 1}); }
 }  // namespace
 
 ViewPlan::ViewPlan(std::span<const std::vector<io::PictureBody>> moments, const Vec3& gravity,
-                   const Framing& framing, bool searches) {
+                   const Framing& framing, bool turns, const std::optional<Vec3>& eye) {
   // what moves, without the few that leave
   const Box start = boxOf(moments.front(), moves);
   start_ = start.middle(), reach_ = kGone * length(start.half());
@@ -93,8 +93,8 @@ ViewPlan::ViewPlan(std::span<const std::vector<io::PictureBody>> moments, const 
     // the ground that goes by needs room
     camera_.eye += (camera_.eye - camera_.target) * kFollowRoom;
   }
-  if (searches) {
-    Sightlines sight(moments);
+  Sightlines sight(moments);
+  if (turns) {
     double best = sight.from(camera_.eye).visible;
     const Vec3 up = upOf(gravity), back = camera_.eye - camera_.target;
     const Vec3 side = normalize(cross(up, back), {1, 0, 0});
@@ -108,8 +108,8 @@ ViewPlan::ViewPlan(std::span<const std::vector<io::PictureBody>> moments, const 
         if (const double visible = sight.from(candidate.eye).visible; visible > best + .15)
           best = visible, camera_ = candidate;
       }
-    if (best <= 1 - kHidden) leaveWallsOut(sight);
   }
+  leaveWallsOut(sight, eye.value_or(camera_.eye));
 
   const bool grounded = std::ranges::all_of(moments, [](const std::vector<io::PictureBody>& moment) {
     return std::ranges::any_of(moment,
@@ -135,9 +135,9 @@ ViewPlan::ViewPlan(std::span<const std::vector<io::PictureBody>> moments, const 
                                           : Quat{0, 1, 0, 0};
 }
 
-void ViewPlan::leaveWallsOut(Sightlines& sight) {
-  for (Sightlines::View view = sight.from(camera_.eye); view.visible < 1 - kHidden && !view.hiding.empty();
-       view = sight.from(camera_.eye)) {
+void ViewPlan::leaveWallsOut(Sightlines& sight, const Vec3& eye) {
+  for (Sightlines::View view = sight.from(eye); view.visible < 1 - kHidden && !view.hiding.empty();
+       view = sight.from(eye)) {
     const auto worst = std::ranges::max_element(view.hiding, {},
                                                 [](const auto& wall) { return wall.second; });
     hidden_.insert(worst->first);

@@ -14,10 +14,11 @@ class Sightlines;
 
 class ViewPlan {
  public:
-  /// `moments`: all bodies at some moments of the run, in order; at least one moment. If `searches`, the
-  /// direction of the framing is turned where walls hide what moves.
+  /// `moments`: all bodies at some moments of the run, in order; at least one moment. If `turns`, the
+  /// direction of the framing is turned where walls hide what moves. Walls that hide most of it then are left
+  /// out. `eye`: where the camera is in truth, if not where the framing has it.
   ViewPlan(std::span<const std::vector<io::PictureBody>> moments, const Vec3& gravity, const Framing& framing,
-           bool searches = true);
+           bool turns = true, const std::optional<Vec3>& eye = {});
 
   /// Does what moves travel much farther than it is large?
   bool follows() const { return follows_; }
@@ -33,7 +34,7 @@ class ViewPlan {
   static constexpr std::uint32_t kFloorKey = io::kSoftKeys - 1;
 
  private:
-  void leaveWallsOut(Sightlines& sight);
+  void leaveWallsOut(Sightlines& sight, const Vec3& eye);
 
   Camera camera_;     ///< of the whole run; with follow: of what moves about `middle_`
   Vec3 middle_;       ///< [m]

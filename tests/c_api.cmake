@@ -34,8 +34,8 @@ add_test(NAME c_api.python_declarations COMMAND ${Python3_EXECUTABLE} -B ${PROJE
 set_tests_properties(c_api.load c_api.calls c_api.hello c_api.exports c_api.python_declarations PROPERTIES LABELS c_api TIMEOUT 900)
 
 # The interpreter of the system has the numpy that ./dev installs; another one may come first in the path.
-set(python_with_numpy ${Python3_EXECUTABLE})
-execute_process(COMMAND ${Python3_EXECUTABLE} -c "import numpy" RESULT_VARIABLE lacks_numpy OUTPUT_QUIET ERROR_QUIET)
+set(python_with_numpy ${python_with_packages})
+execute_process(COMMAND ${python_with_numpy} -c "import numpy" RESULT_VARIABLE lacks_numpy OUTPUT_QUIET ERROR_QUIET)
 if(lacks_numpy)
   find_program(RUBBLE_SYSTEM_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
   if(RUBBLE_SYSTEM_PYTHON)

@@ -10,6 +10,7 @@
 
 #include "apps/cli/command.h"
 #include "apps/cli/job.h"
+#include "apps/cli/layer_files.h"
 #include "apps/cli/output.h"
 #include "apps/cli/render_job.h"
 #include "apps/cli/render_view.h"
@@ -84,13 +85,8 @@ int renderNow(RenderCommand& command) {
   if (options.transparent &&
       (std::filesystem::path(options.out).extension() != ".png" || !options.compare.empty()))
     throw Error("--transparent", "one run, into .png files", options.out);
-  const auto endsIn = [](const std::string& file, const char* ending) {
-    return std::filesystem::path(file).extension() == ending;
-  };
-  if (!options.depthFile.empty() && !endsIn(options.depthFile, ".npy") && !endsIn(options.depthFile, ".png"))
-    throw Error("--depth", "a file that ends in .npy or .png", options.depthFile);
-  if (!options.normalsFile.empty() && !endsIn(options.normalsFile, ".png"))
-    throw Error("--normals", "a file that ends in .png", options.normalsFile);
+  if (!options.depthFile.empty()) checkLayerFile("--depth", options.depthFile);
+  if (!options.normalsFile.empty()) checkLayerFile("--normals", options.normalsFile);
   if (!command.sun.empty())
     options.sun = {command.sun[0] * std::numbers::pi / 180, command.sun[1] * std::numbers::pi / 180};
   if (command.live && command.measure == 0) throw Error("--live", "--measure as well", "none");
@@ -139,11 +135,12 @@ void addRender(CLI::App& app, int& status) {
   sub->add_flag("--transparent", options.transparent, "Sky and ground planes are transparent (.png)");
   sub->add_option(
          "--depth", options.depthFile,
-         "Also write the view depth of each pixel: [m] as an array of NumPy (depth.npy, depth_%04d.npy), or "
-         "[mm] as 16 bits of gray (.png)")
+         "Also write the view depth of each pixel: [m] as an array of NumPy (depth.npy, depth_%04d.npy) or "
+         "as channel Z (.exr), or [mm] as 16 bits of gray (.png)")
       ->type_name("FILE");
   sub->add_option("--normals", options.normalsFile,
-                  "Also write the normal of each pixel, world axes, as 16 bits of red, green and blue (.png)")
+                  "Also write the normal of each pixel, world axes: an array of NumPy (.npy), channels N.X, "
+                  "N.Y and N.Z (.exr), or 16 bits of red, green and blue (.png)")
       ->type_name("FILE");
   sub->add_option(
          "--sun", command->sun,

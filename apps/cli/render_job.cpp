@@ -10,8 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "io/output_file.h"
-
+#include "apps/cli/layer_files.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/render_view.h"
 #include "io/picture_values.h"
@@ -52,8 +51,11 @@ class Side {
       for (const NamedCamera& camera : own) known.push_back(camera.name);
       throw Error("--camera", fmt::format("one of {}", fmt::join(known, ", ")), options_.camera);
     }
-    plan_.emplace(
-        planOf(named_ ? "scene" : options_.camera, *source_, moments, width_, height_, options_.fieldOfView));
+    const std::optional<Vec3> eye = options_.eye ? options_.eye
+                                    : named_     ? std::optional(named_->eye)
+                                                 : std::nullopt;
+    plan_.emplace(planOf(named_ ? "scene" : options_.camera, *source_, moments, width_, height_,
+                         options_.fieldOfView, eye));
     render::PaintSettings settings{width_, height_, samples_, options_.colorBy, options_.colorMax};
     settings.background = options_.background;
     settings.transparent = options_.transparent;
@@ -184,51 +186,6 @@ class Exposure {
   std::vector<float> sum_, alpha_;
 };
 
-/// Millimeters up to 65.534 m; 65535: what is farther, and the sky.
-std::vector<std::uint16_t> depthNumbers(const std::vector<float>& depths) {
-  std::vector<std::uint16_t> numbers;
-  for (const float depth : depths)
-    numbers.push_back(depth < 65.5345f ? static_cast<std::uint16_t>(std::lround(1000 * depth)) : 65535);
-  return numbers;
-}
-/// -1 to 1 as 0 to 65534; 0, 0, 0 in the sky.
-std::vector<std::uint16_t> normalNumbers(const std::vector<float>& normals) {
-  std::vector<std::uint16_t> numbers;
-  for (std::size_t i = 0; i < normals.size(); i += 3) {
-    const bool sky = normals[i] == 0 && normals[i + 1] == 0 && normals[i + 2] == 0;
-    for (std::size_t k = i; k < i + 3; ++k)
-      numbers.push_back(static_cast<std::uint16_t>(
-          sky ? 0 : std::lround(32767 + 32767 * std::clamp(normals[k], -1.f, 1.f))));
-  }
-  return numbers;
-}
-
-/// Writes depths as an array of NumPy, format 1.0, or in a .png as millimeters.
-void writeDepths(const std::string& file, const std::vector<float>& depths, int width, int height) {
-  if (file.ends_with(".png")) return io::writePng16(width, height, 1, depthNumbers(depths), file);
-  std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", height,
-                                   width);
-  constexpr std::size_t kBefore = 10, kAlign = 64;
-  header.append(kAlign - (kBefore + header.size() + 1) % kAlign, ' ');
-  header += '\n';
-  io::OutputFile out(file);
-  const char start[] = {'\x93',
-                        'N',
-                        'U',
-                        'M',
-                        'P',
-                        'Y',
-                        1,
-                        0,
-                        static_cast<char>(header.size() & 255),
-                        static_cast<char>(header.size() >> 8)};
-  out.stream().write(start, sizeof start);
-  out.stream() << header;
-  out.stream().write(reinterpret_cast<const char*>(depths.data()),
-                     static_cast<std::streamsize>(sizeof(float) * depths.size()));
-  out.finish();
-}
-
 /// "depth_%04d.npy" with a number in it.
 std::string numbered(const std::string& pattern, int number) {
   const std::size_t at = pattern.find('%'), end = pattern.find('d', at);
@@ -315,8 +272,7 @@ RenderResult renderFilm(const RenderOptions& options) {
     if (!options.depthFile.empty())
       writeDepths(numbered(options.depthFile, frame), sides.front()->depths(), width, options.height);
     if (!options.normalsFile.empty())
-      io::writePng16(width, options.height, 3, normalNumbers(sides.front()->normals()),
-                     numbered(options.normalsFile, frame));
+      writeNormals(numbered(options.normalsFile, frame), sides.front()->normals(), width, options.height);
     ++result.frames;
     if (!single) progress.update(frame + 1, first.stepMs());
   }

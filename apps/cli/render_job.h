@@ -33,8 +33,8 @@ struct RenderOptions {
   std::shared_ptr<const render::CameraPath> path = nullptr;  ///< in place of the named camera's; or null
   std::optional<Vec3T<float>> background = {};               ///< linear, in place of the sky
   bool transparent = false;                                  ///< sky and planes are, in a .png
-  std::string depthFile;    ///< view depths (.npy, .png), numbered as pictures are; "": none
-  std::string normalsFile;  ///< normals (.png), likewise
+  std::string depthFile;    ///< view depths (layer_files.h), numbered as pictures are; "": none
+  std::string normalsFile;  ///< normals, likewise
   std::optional<std::array<double, 2>> sun = {};  ///< as in PaintSettings [rad]
   double shutter = 0;  ///< share of the time of a frame for which it is exposed: motion blur [1]
   bool overlay = false;

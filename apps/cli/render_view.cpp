@@ -83,13 +83,13 @@ render::Camera cameraOf(const std::string& name, const Sight& sight, int width, 
 
 render::ViewPlan planOf(const std::string& name, const MomentSource& source,
                         std::span<const std::vector<io::PictureBody>> moments, int width, int height,
-                        double fieldOfView) {
+                        double fieldOfView, const std::optional<Vec3>& eye) {
   const auto [direction, closer] = directionOf(name, source.camera(), source.gravity());
   // rubble of a run that is not known ahead needs room
   const double room = source.smashes() && moments.size() == 1 ? kRubbleRoom : 0;
   render::Framing framing{direction, room, static_cast<double>(width) / height, fieldOfView};
   framing.closer = closer;
-  return render::ViewPlan(moments, source.gravity(), framing, name == "scene");
+  return render::ViewPlan(moments, source.gravity(), framing, name == "scene" && !eye, eye);
 }
 
 render::Camera turned(const render::Camera& camera, double angle) {

@@ -1,5 +1,6 @@
 #pragma once
 /// Cameras by name, and the captions of films.
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,10 +25,11 @@ Sight sightOf(const scenes::Job& job);
 /// unknown name.
 render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height,
                         double fieldOfView);
-/// How a whole run is seen by a named camera: "scene" looks around walls, the others leave them out.
+/// How a whole run is seen by a named camera: "scene" looks around walls that hide it, the others leave them
+/// out. `eye`: where the camera is put instead.
 render::ViewPlan planOf(const std::string& name, const MomentSource& source,
                         std::span<const std::vector<io::PictureBody>> moments, int width, int height,
-                        double fieldOfView);
+                        double fieldOfView, const std::optional<Vec3>& eye = {});
 /// The camera turned about the up axis through its target [rad].
 render::Camera turned(const render::Camera& camera, double angle);
 

@@ -179,11 +179,21 @@ std::vector<std::size_t> sceneChoices(const std::string& search, const std::vect
   return found;
 }
 
-void drawDescription(const std::string& name) {
+void drawDescription(UiState& uiState, const std::string& name) {
   const scenes::Spec& spec = scenes::find(name);
   ImGui::BeginChild("##description");
   ImGui::TextUnformatted(name.c_str());
   ImGui::Separator();
+  const float width = ImGui::GetContentRegionAvail().x;
+  const ImVec2 size{width, width * Thumbnails::kHeight / Thumbnails::kWidth};
+  GLuint picture = 0;
+  try {
+    picture = uiState.thumbnails.of(name, ImGui::GetTime());
+  } catch (const Error& error) {
+    uiState.message = error.what();
+  }
+  picture ? ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(picture)), size)
+          : ImGui::Dummy(size);
   ImGui::TextWrapped("%s", spec.doc.c_str());
   ImGui::TextWrapped("%d steps at %d iterations", spec.steps, spec.iterations);
   for (const scenes::Argument& argument : spec.arguments)
@@ -225,7 +235,7 @@ void drawPicker(UiState& uiState, const std::vector<std::string>& names) {
   }
   ImGui::EndChild();
   ImGui::SameLine();
-  if (!described.empty()) drawDescription(described);
+  if (!described.empty()) drawDescription(uiState, described);
   if (uiState.takeChoice && last >= 0) chosen = names[found[static_cast<std::size_t>(uiState.choice)]];
   uiState.takeChoice = false;
   ImGui::End();

@@ -72,6 +72,7 @@ std::string stateText(int frame, Session& session, const std::string& scene, con
                 {"help", uiState.showHelp},
                 {"plots", uiState.showPlots},
                 {"settings", uiState.showSettings},
+                {"thumbnails", uiState.thumbnails.drawn()},
                 {"message", uiState.message},
                 {"eye", pointJson(orbit.camera().eye)},
                 {"held", holds},

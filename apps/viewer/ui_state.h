@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/viewer/player.h"
+#include "apps/viewer/thumbnails.h"
 #include "render/overlay.h"
 
 namespace rubble::viewer {
@@ -25,6 +26,7 @@ struct UiState {
   std::string search;
   int choice = 0;           ///< of the picker
   bool takeChoice = false;  ///< Enter was pressed
+  Thumbnails thumbnails;    ///< of the picker
   io::ColorBy colorBy = io::ColorBy::Body;
   double fullValue = 0;  ///< of the hottest color in the last picture
   render::Overlays overlays;

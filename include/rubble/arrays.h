@@ -45,6 +45,13 @@ enum class SensorArray {
   JointTorque,  ///< by joint: on body B about its anchor, world axes [N m]: 3 numbers
 };
 
+/// An array of the vertices of deformable objects. Shape: one row per vertex, 3 numbers per row. Objects are
+/// in the order in which they were added, vertices in that of their object.
+enum class VertexArray {
+  Position,  ///< world [m]: doubles on every backend
+  Velocity,  ///< [m/s]
+};
+
 /// A two-dimensional strided array. The members match the entries of __cuda_array_interface__ version 3.
 struct ArrayView {
   const void* data = nullptr;        ///< first element of row 0

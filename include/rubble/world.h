@@ -234,8 +234,8 @@ class World {
   /// the device are not checked: a step quarantines bodies that are not finite. Orientations are normalized.
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
 
-  // Joints and sensors as arrays, in the memory of the backend. A view is valid until the next call for the
-  // same array, or a call that adds or removes bodies or joints.
+  // Joints, sensors and vertices as arrays, in the memory of the backend. A view is valid until the next call
+  // for the same array, or a call that adds or removes bodies, joints or deformable objects.
   /// An axis of a joint.
   struct Axis {
     JointId joint;
@@ -245,6 +245,9 @@ class World {
   std::vector<Axis> axes() const;
   ArrayView array(JointArray which) const;
   ArrayView array(SensorArray which) const;
+  /// setVertices() and applyVertexForce() write.
+  ArrayView array(VertexArray which) const;
+  int firstVertex(DeformableId id) const;  ///< row of the first vertex of an object in a VertexArray
   /// Writes targets of drives, or adds forces for the next step, and wakes the bodies of the joints. As
   /// scatter() of states, with `values` of shape (n, 1). Definitions of joints do not change: setDefinition()
   /// and the calls that edit it replace targets by those of the definition.

@@ -68,6 +68,12 @@ class Worlds {
   /// world.
   ArrayView array(SensorArray which) const;
 
+  /// Vertices of the deformable objects of all worlds, world after world: those of world w begin at row
+  /// firstVertex(w), the vertices of one of its objects World::firstVertex() rows later. As array() of
+  /// states.
+  ArrayView array(VertexArray which) const;
+  int firstVertex(int world) const;
+
   /// World::contactForces() of pairs of rows of array(): two bodies of one world each.
   ArrayView contactForces(std::span<const std::array<int, 2>> rows) const;
 

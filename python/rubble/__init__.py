@@ -19,7 +19,7 @@ from ._bodies import Bodies, Body, ContactLoad, Shape, Shapes
 from ._joints import AxisState, Joint, Joints, JointState
 from ._library import Error, json_of, lib
 from ._picture import Painter, save_png
-from ._queries import Events, Hit, Quality
+from ._queries import DebugDraw, Events, Hit, Quality
 from ._recording import Frame, Recorder, Recording
 from ._registry import Argument, Claim, Run, SceneInfo, Verdict, scenes
 from ._scene import Rod, Scene
@@ -47,7 +47,7 @@ def load(file: Union[str, os.PathLike[str]], **options: Any) -> Scene:
 __version__: str = info()["version"]
 __all__ = [
     "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim", "ContactLoad",
-    "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Frame", "Hit", "Joint", "JointState",
+    "DebugDraw", "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Frame", "Hit", "Joint", "JointState",
     "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording", "Rod", "Run", "Scene",
     "SceneInfo", "Sensors", "Shape", "Shapes", "Snapshot", "StepReport", "Surface", "Verdict", "World", "Worlds", "box",
     "cable_along", "capsule", "cloth_sheet", "compound", "cone", "cylinder", "distance_field", "height_field",

@@ -29,6 +29,8 @@ SENSOR_ACCELERATION = 2
 SENSOR_ANGULAR_RATE = 3
 SENSOR_JOINT_FORCE = 4
 SENSOR_JOINT_TORQUE = 5
+VERTEX_POSITION = 0
+VERTEX_VELOCITY = 1
 
 
 class Error(Structure):
@@ -39,33 +41,23 @@ class Error(Structure):
 
 
 class BodyId(Structure):
-    _fields_ = [
-        ("index", c_int32), ("generation", c_uint32),
-    ]
+    _fields_ = [("index", c_int32), ("generation", c_uint32)]
 
 
 class ShapeId(Structure):
-    _fields_ = [
-        ("index", c_int32), ("generation", c_uint32),
-    ]
+    _fields_ = [("index", c_int32), ("generation", c_uint32)]
 
 
 class JointId(Structure):
-    _fields_ = [
-        ("index", c_int32), ("generation", c_uint32),
-    ]
+    _fields_ = [("index", c_int32), ("generation", c_uint32)]
 
 
 class DeformableId(Structure):
-    _fields_ = [
-        ("index", c_int32), ("generation", c_uint32),
-    ]
+    _fields_ = [("index", c_int32), ("generation", c_uint32)]
 
 
 class AttachmentId(Structure):
-    _fields_ = [
-        ("index", c_int32), ("generation", c_uint32),
-    ]
+    _fields_ = [("index", c_int32), ("generation", c_uint32)]
 
 
 class Array(Structure):
@@ -76,9 +68,7 @@ class Array(Structure):
 
 
 class PoseFrame(Structure):
-    _fields_ = [
-        ("step", c_int64), ("time", c_double), ("position", Array), ("orientation", Array),
-    ]
+    _fields_ = [("step", c_int64), ("time", c_double), ("position", Array), ("orientation", Array)]
 
 
 class BodyState(Structure):
@@ -158,9 +148,7 @@ class JointEvent(Structure):
 
 
 class SleepEvent(Structure):
-    _fields_ = [
-        ("body", BodyId), ("asleep", c_int32), ("user_data", c_uint64),
-    ]
+    _fields_ = [("body", BodyId), ("asleep", c_int32), ("user_data", c_uint64)]
 
 
 class Events(Structure):
@@ -181,9 +169,7 @@ class StepReport(Structure):
 
 
 class Distribution(Structure):
-    _fields_ = [
-        ("mean", c_double), ("p99", c_double), ("max", c_double),
-    ]
+    _fields_ = [("mean", c_double), ("p99", c_double), ("max", c_double)]
 
 
 class Quality(Structure):
@@ -194,9 +180,7 @@ class Quality(Structure):
 
 
 class SolverState(Structure):
-    _fields_ = [
-        ("color", c_int32), ("stiffness", c_double), ("multiplier", c_double),
-    ]
+    _fields_ = [("color", c_int32), ("stiffness", c_double), ("multiplier", c_double)]
 
 
 class QueryFilter(Structure):
@@ -228,9 +212,7 @@ class Overlap(Structure):
 
 
 class Closest(Structure):
-    _fields_ = [
-        ("point", c_double * 3), ("max_distance", c_double), ("filter", QueryFilter),
-    ]
+    _fields_ = [("point", c_double * 3), ("max_distance", c_double), ("filter", QueryFilter)]
 
 
 class Hit(Structure):
@@ -241,10 +223,27 @@ class Hit(Structure):
     ]
 
 
-class Pose(Structure):
+class DebugLine(Structure):
+    _fields_ = [("from", c_double * 3), ("to", c_double * 3), ("color", c_uint32)]
+
+
+class DebugTriangle(Structure):
+    _fields_ = [("corners", c_double * 9), ("color", c_uint32)]
+
+
+class DebugText(Structure):
+    _fields_ = [("position", c_double * 3), ("text", c_char_p), ("color", c_uint32)]
+
+
+class DebugDraw(Structure):
     _fields_ = [
-        ("position", c_double * 3), ("orientation", c_double * 4),
+        ("lines", c_void_p), ("line_count", c_int64), ("triangles", c_void_p), ("triangle_count", c_int64),
+        ("texts", c_void_p), ("text_count", c_int64),
     ]
+
+
+class Pose(Structure):
+    _fields_ = [("position", c_double * 3), ("orientation", c_double * 4)]
 
 
 class Frame(Structure):
@@ -255,15 +254,11 @@ class Frame(Structure):
 
 
 class Camera(Structure):
-    _fields_ = [
-        ("eye", c_double * 3), ("target", c_double * 3), ("field_of_view", c_double),
-    ]
+    _fields_ = [("eye", c_double * 3), ("target", c_double * 3), ("field_of_view", c_double)]
 
 
 class Image(Structure):
-    _fields_ = [
-        ("width", c_int32), ("height", c_int32), ("rgb", c_void_p),
-    ]
+    _fields_ = [("width", c_int32), ("height", c_int32), ("rgb", c_void_p)]
 
 
 FUNCTIONS = {
@@ -303,6 +298,7 @@ FUNCTIONS = {
     "rb_world_create": (c_int, [c_void_p, c_char_p, c_void_p]),
     "rb_world_destroy": (None, [c_void_p]),
     "rb_world_step": (c_int, [c_void_p, c_void_p]),
+    "rb_world_run_events": (c_int, [c_void_p]),
     "rb_world_report": (c_int, [c_void_p, c_void_p]),
     "rb_world_params": (c_int, [c_void_p, c_void_p]),
     "rb_world_set_params": (c_int, [c_void_p, c_char_p]),
@@ -329,11 +325,17 @@ FUNCTIONS = {
     "rb_world_set_body_state": (c_int, [c_void_p, BodyId, c_void_p]),
     "rb_world_body_states": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
     "rb_world_set_body_states": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
+    "rb_world_set_velocity": (c_int, [c_void_p, BodyId, c_void_p, c_void_p]),
+    "rb_world_body_user_data": (c_int, [c_void_p, BodyId, c_void_p]),
+    "rb_world_set_body_user_data": (c_int, [c_void_p, BodyId, c_uint64]),
+    "rb_world_joints_of": (c_int, [c_void_p, BodyId, c_void_p, c_void_p]),
     "rb_world_set_target": (c_int, [c_void_p, BodyId, c_void_p, c_void_p]),
     "rb_world_apply_force": (c_int, [c_void_p, BodyId, c_void_p]),
     "rb_world_apply_force_at": (c_int, [c_void_p, BodyId, c_void_p, c_void_p]),
     "rb_world_apply_torque": (c_int, [c_void_p, BodyId, c_void_p]),
     "rb_world_apply_impulse": (c_int, [c_void_p, BodyId, c_void_p]),
+    "rb_world_apply_impulse_at": (c_int, [c_void_p, BodyId, c_void_p, c_void_p]),
+    "rb_world_apply_angular_impulse": (c_int, [c_void_p, BodyId, c_void_p]),
     "rb_world_apply_forces": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_world_apply_impulses": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
     "rb_world_add_shape": (c_int, [c_void_p, c_void_p, c_void_p]),
@@ -344,11 +346,15 @@ FUNCTIONS = {
     "rb_world_shape_definition": (c_int, [c_void_p, ShapeId, c_void_p]),
     "rb_world_shape_uses": (c_int, [c_void_p, ShapeId, c_void_p]),
     "rb_world_shape_user_data": (c_int, [c_void_p, BodyId, c_int32, c_void_p]),
+    "rb_world_material_of": (c_int, [c_void_p, BodyId, c_int32, c_void_p]),
     "rb_world_add_body_of": (c_int, [c_void_p, ShapeId, c_char_p, c_void_p]),
     "rb_world_set_shape": (c_int, [c_void_p, BodyId, ShapeId]),
     "rb_world_array": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_world_joint_array": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_world_sensor_array": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_world_vertex_array": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_world_first_vertex": (c_int, [c_void_p, DeformableId, c_void_p]),
+    "rb_world_contact_forces": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
     "rb_world_axes": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "rb_world_scatter_joints": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
     "rb_world_epoch": (c_int64, [c_void_p]),
@@ -369,9 +375,12 @@ FUNCTIONS = {
     "rb_world_joint_name": (c_int, [c_void_p, JointId, c_void_p]),
     "rb_world_joint_bodies": (c_int, [c_void_p, JointId, c_void_p]),
     "rb_world_joint_state": (c_int, [c_void_p, JointId, c_void_p]),
+    "rb_world_joint_user_data": (c_int, [c_void_p, JointId, c_void_p]),
+    "rb_world_set_joint_user_data": (c_int, [c_void_p, JointId, c_uint64]),
     "rb_world_set_joint": (c_int, [c_void_p, JointId, c_char_p]),
     "rb_world_set_target_position": (c_int, [c_void_p, JointId, c_int32, c_double]),
     "rb_world_set_target_speed": (c_int, [c_void_p, JointId, c_int32, c_double]),
+    "rb_world_set_motor_force": (c_int, [c_void_p, JointId, c_int32, c_double]),
     "rb_world_set_limits": (c_int, [c_void_p, JointId, c_int32, c_double, c_double]),
     "rb_world_set_length": (c_int, [c_void_p, JointId, c_double]),
     "rb_world_set_drive_orientation": (c_int, [c_void_p, JointId, c_void_p]),
@@ -386,6 +395,8 @@ FUNCTIONS = {
     "rb_world_deformable_definition": (c_int, [c_void_p, DeformableId, c_void_p]),
     "rb_world_set_deformable": (c_int, [c_void_p, DeformableId, c_char_p]),
     "rb_world_deformable_name": (c_int, [c_void_p, DeformableId, c_void_p]),
+    "rb_world_deformable_user_data": (c_int, [c_void_p, DeformableId, c_void_p]),
+    "rb_world_set_deformable_user_data": (c_int, [c_void_p, DeformableId, c_uint64]),
     "rb_world_vertex_count": (c_int, [c_void_p, DeformableId, c_void_p]),
     "rb_world_vertex_positions": (c_int, [c_void_p, DeformableId, c_void_p, c_int64]),
     "rb_world_vertex_velocities": (c_int, [c_void_p, DeformableId, c_void_p, c_int64]),
@@ -402,6 +413,7 @@ FUNCTIONS = {
     "rb_world_vertex_contacts": (c_int, [c_void_p, c_void_p, c_void_p]),
     "rb_world_quality": (c_int, [c_void_p, c_void_p]),
     "rb_world_contacts": (c_int, [c_void_p, c_void_p, c_void_p]),
+    "rb_world_contacts_of": (c_int, [c_void_p, BodyId, c_void_p, c_void_p]),
     "rb_world_contact_load": (c_int, [c_void_p, BodyId, c_void_p]),
     "rb_world_solver_states": (c_int, [c_void_p, c_void_p, c_void_p]),
     "rb_world_vertex_solver_states": (c_int, [c_void_p, DeformableId, c_void_p, c_void_p]),
@@ -418,12 +430,18 @@ FUNCTIONS = {
     "rb_world_memory_bytes": (c_int64, [c_void_p]),
     "rb_world_reserve": (c_int, [c_void_p, c_char_p, c_int32]),
     "rb_world_hash": (c_int, [c_void_p, c_void_p]),
+    "rb_world_table_hashes": (c_int, [c_void_p, c_void_p]),
     "rb_world_snapshot": (c_int, [c_void_p, c_void_p]),
     "rb_world_restore": (c_int, [c_void_p, c_void_p]),
     "rb_snapshot_bytes": (c_int, [c_void_p, c_void_p, c_void_p]),
     "rb_snapshot_from_bytes": (c_int, [c_void_p, c_int64, c_void_p]),
     "rb_snapshot_destroy": (None, [c_void_p]),
     "rb_world_first_difference": (c_int, [c_void_p, c_void_p]),
+    "rb_sensors_create": (c_int, [c_void_p, c_void_p, c_void_p]),
+    "rb_sensors_destroy": (None, [c_void_p]),
+    "rb_sensors_list": (c_int, [c_void_p, c_void_p]),
+    "rb_sensors_update": (c_int, [c_void_p, c_void_p, c_void_p]),
+    "rb_world_debug_draw": (c_int, [c_void_p, c_char_p, c_void_p]),
     "rb_worlds_create": (c_int, [c_char_p, c_void_p]),
     "rb_worlds_destroy": (None, [c_void_p]),
     "rb_worlds_add": (c_int, [c_void_p, c_void_p, c_int32, c_void_p]),
@@ -438,6 +456,8 @@ FUNCTIONS = {
     "rb_worlds_scatter": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
     "rb_worlds_joint_array": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_worlds_sensor_array": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_worlds_vertex_array": (c_int, [c_void_p, c_int32, c_void_p]),
+    "rb_worlds_first_vertex": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_worlds_first_axis": (c_int, [c_void_p, c_int32, c_void_p]),
     "rb_worlds_scatter_joints": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
     "rb_worlds_contact_forces": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
@@ -458,9 +478,4 @@ FUNCTIONS = {
     "rb_painter_draw_world": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "rb_painter_draw_frame": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_write_png": (c_int, [c_char_p, c_void_p, c_int32, c_int32]),
-    "rb_sensors_create": (c_int, [c_void_p, c_void_p, c_void_p]),
-    "rb_sensors_destroy": (None, [c_void_p]),
-    "rb_sensors_update": (c_int, [c_void_p, c_void_p]),
-    "rb_sensors_values": (c_int, [c_void_p, c_void_p, c_void_p]),
-    "rb_sensors_list": (c_int, [c_void_p, c_void_p]),
 }

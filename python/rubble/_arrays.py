@@ -13,6 +13,7 @@ NAMES = ("position", "orientation", "velocity", "angular_velocity", "force", "to
 JOINT_NAMES = ("position", "speed", "drive_force", "limit_force", "friction_force", "lower_limit",
                "upper_limit", "target_position", "target_speed", "applied_force")
 SENSOR_NAMES = ("contact_force", "touch", "acceleration", "angular_rate", "joint_force", "joint_torque")
+VERTEX_NAMES = ("position", "velocity")
 _NONE = ctypes.c_void_p()
 _TENSOR = b"dltensor"
 
@@ -250,6 +251,17 @@ class StateArrays:
             `orientations`.
         """
         return read_array(lib.rb_world_sensor_array, self._owner, index_of(name, SENSOR_NAMES))
+
+    def vertex_array(self, name: str) -> Any:
+        """An array of the vertices of all deformable objects, in the order in which the objects were added.
+
+        Args:
+            name: "position" [m] or "velocity" [m/s].
+        Returns:
+            (vertices, 3): a copy, or a `DeviceArray` with the backend "cuda". Those of an object begin at row
+            ``object.first_vertex``.
+        """
+        return read_array(lib.rb_world_vertex_array, self._owner, index_of(name, VERTEX_NAMES))
 
     def scatter_joints(self, name: str, rows: Any, values: Any) -> None:
         """Writes ``values[k]`` to row ``rows[k]`` of a joint array.

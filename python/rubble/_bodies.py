@@ -107,6 +107,17 @@ class NamedElement(Element):
         """As in a scene file; bodies of a joint are those of `bodies`."""
         return json_of(self._function("rb_world_{}_definition"), self._world._pointer, self._id)
 
+    @property
+    def user_data(self) -> int:
+        """64 bits of the caller, which events and hits carry. Assign to change them."""
+        out = ctypes.c_uint64()
+        check(self._function("rb_world_{}_user_data")(self._world._pointer, self._id, ctypes.byref(out)))
+        return out.value
+
+    @user_data.setter
+    def user_data(self, value: int) -> None:
+        check(self._function("rb_world_set_{}_user_data")(self._world._pointer, self._id, value))
+
 
 class Body(NamedElement):
     """A body of a running world. Reading and writing throws `Error` once it is removed."""
@@ -160,6 +171,11 @@ class Body(NamedElement):
     def angular_velocity(self, value: Vector) -> None:
         self._write("angular_velocity", value)
 
+    def set_velocity(self, velocity: Vector, angular_velocity: Vector = (0, 0, 0)) -> None:
+        """Velocity of the center of mass [m/s] and angular velocity about it, world axes [rad/s]."""
+        check(lib.rb_world_set_velocity(self._world._pointer, self._id, vector(velocity, "velocity"),
+                                        vector(angular_velocity, "angular_velocity")))
+
     def set(self, **values: Unpack[BodyFields]) -> None:
         """Replaces fields of the definition from the next step on, with the keys of scene files:
         ``set(mass=5)``.
@@ -185,6 +201,23 @@ class Body(NamedElement):
         check(lib.rb_world_shape_user_data(self._world._pointer, self._id, part, ctypes.byref(out)))
         return out.value
 
+    def material(self, part: int = 0) -> dict[str, Any]:
+        """Material of a part of a compound, or of the whole body, as in a scene file. Values that are missing
+        have their defaults."""
+        return json_of(lib.rb_world_material_of, self._world._pointer, self._id, part)
+
+    @property
+    def joints(self) -> list[Any]:
+        """The joints of the body, and those it is the frame body of: `Joint` objects."""
+        from ._joints import Joint
+        ids = list_of(lib.rb_world_joints_of, _abi.JointId, self._world._pointer, self._id).tolist()
+        return [Joint(self._world, _abi.JointId(*id)) for id in ids]
+
+    @property
+    def contacts(self) -> np.ndarray:
+        """Contact points of the body in the last step, as `World.contacts`."""
+        return list_of(lib.rb_world_contacts_of, _abi.ContactPoint, self._world._pointer, self._id)
+
     def set_target(self, position: Vector, orientation: Vector = (1, 0, 0, 0)) -> None:
         """Kinematic bodies: the pose to reach in the next step."""
         check(lib.rb_world_set_target(self._world._pointer, self._id, vector(position, "position"),
@@ -202,9 +235,17 @@ class Body(NamedElement):
         """Applies a torque [N m] for the next step."""
         check(lib.rb_world_apply_torque(self._world._pointer, self._id, vector(torque, "torque")))
 
-    def apply_impulse(self, impulse: Vector) -> None:
-        """Applies an impulse [N s] at the center of mass."""
-        check(lib.rb_world_apply_impulse(self._world._pointer, self._id, vector(impulse, "impulse")))
+    def apply_impulse(self, impulse: Vector, at: Optional[Vector] = None) -> None:
+        """Applies an impulse [N s] at the center of mass, or at a world point [m]."""
+        pointer, pushed = self._world._pointer, vector(impulse, "impulse")
+        if at is None:
+            check(lib.rb_world_apply_impulse(pointer, self._id, pushed))
+        else:
+            check(lib.rb_world_apply_impulse_at(pointer, self._id, pushed, vector(at, "at")))
+
+    def apply_angular_impulse(self, impulse: Vector) -> None:
+        """Applies an angular impulse, world axes [N m s]."""
+        check(lib.rb_world_apply_angular_impulse(self._world._pointer, self._id, vector(impulse, "impulse")))
 
     def drag(self, point: Vector, max_force: float, frequency: float = 5) -> Any:
         """Drags the body by a world point [m] with a mouse joint of at most `max_force` [N]. The result has

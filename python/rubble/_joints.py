@@ -24,6 +24,7 @@ class AxisState(NamedTuple):
     limit_force: float
     drive_force: float
     friction_force: float
+    motor_force: float  #: of armature, damping and the motor
 
 
 class JointState(NamedTuple):
@@ -56,13 +57,22 @@ class Joint(NamedElement):
         check(lib.rb_world_joint_state(self._world._pointer, self._id, ctypes.byref(out)))
         return JointState.of(out)
 
+    def _four(self) -> list[Optional[Body]]:
+        ids = (_abi.BodyId * 4)()
+        check(lib.rb_world_joint_bodies(self._world._pointer, self._id, ids))
+        return [Body(self._world, _abi.BodyId(id.index, id.generation)) if id.index >= 0 else None
+                for id in ids]
+
     @property
     def bodies(self) -> tuple[Optional[Body], Optional[Body]]:
         """A and B; None: the static world."""
-        ids = (_abi.BodyId * 4)()
-        check(lib.rb_world_joint_bodies(self._world._pointer, self._id, ids))
-        a, b = (Body(self._world, _abi.BodyId(id.index, id.generation)) if id.index >= 0 else None
-                for id in ids[:2])
+        a, b, *_ = self._four()
+        return a, b
+
+    @property
+    def frame_bodies(self) -> tuple[Optional[Body], Optional[Body]]:
+        """Frame bodies of gears and racks; None: the static world."""
+        *_, a, b = self._four()
         return a, b
 
     def set(self, **values: Unpack[JointValues]) -> None:
@@ -77,6 +87,10 @@ class Joint(NamedElement):
             check(lib.rb_world_set_target_position(pointer, self._id, axis, position))
         if speed is not None:
             check(lib.rb_world_set_target_speed(pointer, self._id, axis, speed))
+
+    def set_motor_force(self, force: float, axis: int = 0) -> None:
+        """Motor of an axis: "motor_force" [N] or [N m]."""
+        check(lib.rb_world_set_motor_force(self._world._pointer, self._id, axis, force))
 
     def set_limits(self, min: float, max: float, axis: int = 0) -> None:
         """Limits of an axis [m] or [rad]; infinite: none."""

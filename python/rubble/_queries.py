@@ -2,13 +2,14 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Optional
 
 import numpy as np
 
 from . import _abi
+from ._arrays import read_array
 from ._bodies import Body, Vector
-from ._library import check, lib, list_of, matrix, structs
+from ._library import check, encode, lib, list_of, matrix, structs
 from ._shapes import Definition, ShapeHandle
 from ._soft import Deformable
 
@@ -58,6 +59,14 @@ class Events(NamedTuple):
     sleeps: np.ndarray  #: "body", "asleep", "user_data"
 
 
+class DebugDraw(NamedTuple):
+    """Primitives in world coordinates [m]. Colors are 0xRRGGBB."""
+
+    lines: np.ndarray  #: structured: "from", "to", "color"
+    triangles: np.ndarray  #: structured: "corners" (9 numbers), "color"; counter-clockwise from outside
+    texts: list[tuple[np.ndarray, str, int]]  #: position (3,), text, color
+
+
 class Queries:
     """Queries of a world. Poses are those after the last step.
 
@@ -68,6 +77,7 @@ class Queries:
     """
 
     _pointer: Any
+    _owner: Any
 
     def _hit(self, found: Any) -> Optional[Hit]:
         if not found["hit"]:
@@ -176,6 +186,30 @@ class Queries:
         """Contact points of the last step, structured: "a", "b", "position" [m], "normal" from A to B,
         "depth" [m], "force" on B [N], "part_a", "part_b"."""
         return list_of(lib.rb_world_contacts, _abi.ContactPoint, self._pointer)
+
+    def contact_forces(self, pairs: Iterable[tuple[Body, Body]]) -> Any:
+        """Contact forces of the last step between the two bodies of each pair, on the second one, world axes
+        [N]: (n, 3), a copy, or a `DeviceArray` with the backend "cuda"."""
+        ids = np.array([body.id for pair in pairs for body in pair], np.dtype(_abi.BodyId))
+
+        def call(pointer: Any, which: int, array: Any) -> int:
+            return lib.rb_world_contact_forces(pointer, ids.ctypes.data, len(ids) // 2, array)
+        return read_array(call, self._owner, 0)
+
+    def debug_draw(self, **options: Any) -> DebugDraw:
+        """The world as colored primitives, for a renderer of the caller.
+
+        Args:
+            options: surfaces (True), edges, contacts, joints, bounds, names (False), force_scale [m/N],
+                plane_size [m], segments.
+        """
+        out = _abi.DebugDraw()
+        check(lib.rb_world_debug_draw(self._pointer, encode(options), ctypes.byref(out)))
+        texts = ctypes.cast(out.texts, ctypes.POINTER(_abi.DebugText))
+        return DebugDraw(structs(out.lines, out.line_count, _abi.DebugLine),
+                         structs(out.triangles, out.triangle_count, _abi.DebugTriangle),
+                         [(np.array(texts[k].position), texts[k].text.decode(), texts[k].color)
+                          for k in range(out.text_count)])
 
     @property
     def vertex_contacts(self) -> np.ndarray:

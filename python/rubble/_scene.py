@@ -145,8 +145,8 @@ class Scene:
         return self.add("events", {"step": step, **actions})
 
     def add_sensor(self, type: str, **fields: Any) -> int:
-        """Adds a sensor: name, body, position [m] and orientation of its frame, joint, and the other keys of
-        scene files. `Sensors` reads it. Returns its index."""
+        """A sensor for `rubble.Sensors`: type ("acceleration", "touch", "joint_position" and others), name,
+        body, position, orientation, joint, axis, volume and other keys of scene files."""
         return self.add("sensors", {"type": type, **fields})
 
     def exclude(self, a: Union[str, int], b: Union[str, int]) -> int:

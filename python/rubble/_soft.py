@@ -56,6 +56,13 @@ class Deformable(NamedElement):
         return out.value
 
     @property
+    def first_vertex(self) -> int:
+        """Row of its first vertex in `World.vertex_array`."""
+        out = ctypes.c_int32()
+        check(lib.rb_world_first_vertex(self._world._pointer, self._id, ctypes.byref(out)))
+        return out.value
+
+    @property
     def positions(self) -> np.ndarray:
         """Of its vertices, world [m]: (n, 3), a copy."""
         return self._numbers(lib.rb_world_vertex_positions, 3)

@@ -192,6 +192,10 @@ class World(StateArrays, Queries, View):
                 check(1)
         return report
 
+    def run_events(self) -> None:
+        """Applies the scripted events that are due, so that changes before the next step find them done."""
+        check(lib.rb_world_run_events(self._pointer))
+
     @property
     def report(self) -> dict[str, Any]:
         """The complete report of the last step, with "stages_ms", "grown" and "broken"."""
@@ -257,6 +261,10 @@ class World(StateArrays, Queries, View):
         out = ctypes.c_uint64()
         check(lib.rb_world_hash(self._pointer, ctypes.byref(out)))
         return out.value
+
+    def table_hashes(self) -> dict[str, int]:
+        """Hashes of the single tables of that state, by name: to find what differs between two worlds."""
+        return json_of(lib.rb_world_table_hashes, self._pointer)
 
     def reserve(self, kind: str, count: int) -> None:
         """Reserves table memory for elements of a kind ("pairs", "manifolds"), so that steps need not

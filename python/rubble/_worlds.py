@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 import numpy as np
 
 from . import _abi
-from ._arrays import JOINT_NAMES, SENSOR_NAMES, index_of, read_array, write_rows
+from ._arrays import JOINT_NAMES, SENSOR_NAMES, VERTEX_NAMES, index_of, read_array, write_rows
 from ._library import Handle, check, encode, invalid, json_of, lib, matrix
 from ._queries import _rays
 from ._scene import Scene
@@ -160,6 +160,18 @@ class Worlds:
         """`World.sensor_array` of all worlds. Rows of bodies are those of `array`; joints are world after
         world."""
         return read_array(lib.rb_worlds_sensor_array, self._handle, index_of(name, SENSOR_NAMES))
+
+    def vertex_array(self, name: str) -> Any:
+        """`World.vertex_array` of all worlds, world after world: (vertices, 3). The vertices of world w begin
+        at row ``first_vertex(w)``, those of an object of it ``object.first_vertex`` rows later. Worlds of one
+        scene have ``vertex_array(name).reshape(len(worlds), -1, 3)``."""
+        return read_array(lib.rb_worlds_vertex_array, self._handle, index_of(name, VERTEX_NAMES))
+
+    def first_vertex(self, world: int) -> int:
+        """Row of the first vertex of a world in `vertex_array`."""
+        row = ctypes.c_int32()
+        check(lib.rb_worlds_first_vertex(self._handle.pointer, world, ctypes.byref(row)))
+        return row.value
 
     def first_axis(self, world: int) -> int:
         """Row of the first axis of a world in the joint arrays."""

@@ -96,6 +96,7 @@ class Engine {
   virtual void setJointRows(const JointRows& rows) = 0;
   virtual ArrayView array(JointArray which) = 0;
   virtual ArrayView array(SensorArray which) = 0;
+  virtual ArrayView array(VertexArray which) = 0;
   /// Contact forces on the second body of each pair of ids.
   virtual ArrayView contactForces(std::span<const std::array<int, 2>> pairs) = 0;
   /// As World::scatter. Checked as above.

@@ -41,6 +41,12 @@ template <class T> ArrayView rowsOf(const T* data, int rows) {
   return view;
 }
 
+/// An array of vertices, where `s` has them.
+inline ArrayView rowsOf(VertexArray which, const SolverData& s) {
+  if (which == VertexArray::Position) return rowsOf(firstOf(s.vertexPosition, s.vertices).data(), s.vertices);
+  return rowsOf(firstOf(s.vertexVelocity, s.vertices).data(), s.vertices);
+}
+
 /// Velocity change of an impulse. It is added in double precision, so that the result equals that of a read,
 /// an addition and a write through the API.
 RUBBLE_HD inline void changeVelocity(const SolverData& s, int slot, const Vec3d& change) {

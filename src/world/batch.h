@@ -63,6 +63,9 @@ class Batch {
   /// count().
   int firstAxis(int world) const { return firstAxis_[static_cast<std::size_t>(world)]; }
   int firstJoint(int world) const { return firstJoint_[static_cast<std::size_t>(world)]; }
+  /// First row of a world in the arrays of vertices, and their number, valid after flush().
+  int firstVertex(int world) const { return members_[static_cast<std::size_t>(world)].first.vertex; }
+  int vertices(int world) const { return members_[static_cast<std::size_t>(world)].count.vertex; }
 
   /// `snapshots`: one for each of the worlds, which are distinct.
   void restore(std::span<const int> worlds, std::span<const WorldSnapshot* const> snapshots);
@@ -143,6 +146,7 @@ class WorldSlice final : public Engine {
   void setJointRows(const JointRows& rows) override { batch_->setJointRows(world_, rows); }
   ArrayView array(JointArray which) override;
   ArrayView array(SensorArray which) override;
+  ArrayView array(VertexArray which) override;
   void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override;
   ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override;
   bool reserve(const std::string& kind, int count) override { return batch_->engine().reserve(kind, count); }

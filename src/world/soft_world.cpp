@@ -258,6 +258,22 @@ std::vector<Vec3> World::velocities(DeformableId id) const {
     return out;
   });
 }
+ArrayView World::array(VertexArray which) const {
+  checks::enumeration(which, VertexArray::Velocity, "array");
+  return withMemory("array", [&] {
+    impl_->flush();
+    ArrayView view = impl_->engine->array(which);
+    view.epoch = impl_->epoch;
+    return view;
+  });
+}
+int World::firstVertex(DeformableId id) const {
+  impl_->requireAlive(id);
+  return withMemory("firstVertex", [&] {
+    impl_->flush();
+    return impl_->registry.softs[id].range.vertex;
+  });
+}
 std::vector<double> World::masses(DeformableId id) const {
   return withMemory("masses", [&] {
     impl_->requireAlive(id);

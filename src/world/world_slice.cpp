@@ -91,6 +91,14 @@ ArrayView WorldSlice::array(SensorArray which) {
   return view;
 }
 
+ArrayView WorldSlice::array(VertexArray which) {
+  batch_->flush();
+  ArrayView view = batch_->engine().array(which);
+  view.data = static_cast<const std::byte*>(view.data) + batch_->firstVertex(world_) * view.strides[0];
+  view.shape[0] = batch_->vertices(world_);
+  return view;
+}
+
 /// `ids`: row in the tables of each row of this world.
 void WorldSlice::scatter(const std::vector<int>& ids, auto which, const ArrayView& rows,
                          const ArrayView& values) {

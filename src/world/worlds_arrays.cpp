@@ -12,10 +12,10 @@ namespace rubble {
 ArrayView Worlds::Impl::gather(auto which, std::vector<std::byte>& to) {
   std::vector<ArrayView> views(batches.size());
   forEachBatch([&](std::size_t k) {
-    if constexpr (std::is_same_v<decltype(which), StateArray>)
-      flush(k);
-    else
+    if constexpr (std::is_same_v<decltype(which), JointArray> || std::is_same_v<decltype(which), SensorArray>)
       sendJointRows(k);
+    else
+      flush(k);
     views[k] = batches[k]->engine().array(which);
   });
   if (!views.empty() && views.front().device) return views.front();
@@ -119,6 +119,24 @@ ArrayView Worlds::array(JointArray which) const {
 ArrayView Worlds::array(SensorArray which) const {
   checks::enumeration(which, SensorArray::JointTorque, "array");
   return impl_->gather(which, impl_->sensors[static_cast<int>(which)]);
+}
+
+int Worlds::firstVertex(int world) const {
+  impl_->requireWorld(world);
+  const int own = world / impl_->perBatch;
+  int rows = 0;
+  for (int k = 0; k <= own; ++k) {
+    const Batch& batch = *impl_->batches[static_cast<std::size_t>(k)];
+    impl_->flush(static_cast<std::size_t>(k));
+    const int last = k < own ? batch.count() - 1 : world % impl_->perBatch;
+    rows += batch.firstVertex(last) + (k < own ? batch.vertices(last) : 0);
+  }
+  return rows;
+}
+
+ArrayView Worlds::array(VertexArray which) const {
+  checks::enumeration(which, VertexArray::Velocity, "array");
+  return impl_->gather(which, impl_->vertices[static_cast<int>(which)]);
 }
 
 void Worlds::scatter(JointArray which, const ArrayView& rows, const ArrayView& values) {

@@ -33,7 +33,8 @@ struct Worlds::Impl {
   // of all batches
   std::vector<std::byte> arrays[static_cast<int>(StateArray::Torque) + 1],
       axes[static_cast<int>(JointArray::AppliedForce) + 1],
-      sensors[static_cast<int>(SensorArray::JointTorque) + 1], pairForces;
+      sensors[static_cast<int>(SensorArray::JointTorque) + 1],
+      vertices[static_cast<int>(VertexArray::Velocity) + 1], pairForces;
 
   int count() const { return static_cast<int>(worlds.size()); }
   void requireWorld(int world) const {

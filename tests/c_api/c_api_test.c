@@ -206,6 +206,88 @@ static void aShapeLivesAsLongAsItIsUsed(void) {
   rb_scene_destroy(scene);
 }
 
+static void aBodyTellsItsMaterialItsJointsAndItsContacts(void) {
+  rb_scene* scene = NULL;
+  rb_world* world = NULL;
+  rb_sensors* sensors = NULL;
+  rb_body_id crate, ground;
+  rb_debug_draw drawing;
+  rb_array forces;
+  const rb_joint_id* joints;
+  const rb_contact_point* contacts;
+  const double* readings;
+  const char* json = NULL;
+  const double push[3] = {0, 0, 2}, side[3] = {0.5, 0, 0.5}, still[3] = {0, 0, 0};
+  int64_t joint_count = 0, contact_count = 0, reading_count = 0;
+  uint64_t mark = 0;
+  rb_body_state state;
+  CHECK(rb_scene_parse("{\"bodies\": [{\"name\": \"ground\", \"shape\": {\"type\": \"plane\"}},"
+                       "{\"name\": \"crate\", \"mass\": 2, \"shape\": {\"type\": \"box\", \"size\": [1, 1, 1]},"
+                       "\"position\": [0, 0, 0.5], \"material\": {\"friction\": 0.25}}],"
+                       "\"joints\": [{\"type\": \"slider\", \"name\": \"rail\", \"body_a\": \"crate\","
+                       "\"body_b\": \"world\", \"anchor\": [0, 0, 0.5], \"axis\": [0, 0, 1]}],"
+                       "\"sensors\": [{\"name\": \"height\", \"type\": \"position\", \"body\": \"crate\"}]}",
+                       "", &scene) == RB_OK);
+  CHECK(rb_world_create(scene, "{\"threads\": 1}", &world) == RB_OK);
+  CHECK(rb_world_find_body(world, "crate", &crate) == RB_OK);
+  CHECK(rb_world_find_body(world, "ground", &ground) == RB_OK);
+  for (int step = 0; step < 30; ++step) CHECK(rb_world_step(world, NULL) == RB_OK);
+  CHECK(rb_world_material_of(world, crate, 0, &json) == RB_OK && strstr(json, "\"friction\":0.25") != NULL);
+  CHECK(rb_world_material_of(world, crate, 1, &json) == RB_INVALID);
+  CHECK(rb_world_joints_of(world, crate, &joints, &joint_count) == RB_OK && joint_count == 1);
+  CHECK(rb_world_contacts_of(world, crate, &contacts, &contact_count) == RB_OK && contact_count == 4);
+  const rb_body_id pair[2] = {ground, crate};
+  CHECK(rb_world_contact_forces(world, pair, 1, &forces) == RB_OK && forces.shape[0] == 1);
+  CHECK(fabs(((const float*)forces.data)[2] - 2 * 9.81) < 0.2);
+  CHECK(rb_world_set_body_user_data(world, crate, 77) == RB_OK);
+  CHECK(rb_world_body_user_data(world, crate, &mark) == RB_OK && mark == 77);
+  CHECK(rb_world_set_motor_force(world, joints[0], 0, 5) == RB_OK);
+  CHECK(rb_world_set_motor_force(world, joints[0], 1, 5) == RB_INVALID);
+  CHECK(rb_sensors_create(scene, world, &sensors) == RB_OK);
+  CHECK(rb_sensors_list(sensors, &json) == RB_OK && strstr(json, "\"height\"") != NULL);
+  CHECK(rb_sensors_update(sensors, &readings, &reading_count) == RB_OK && reading_count == 3);
+  CHECK(fabs(readings[2] - 0.5) < 0.01);
+  CHECK(rb_world_debug_draw(world, "{\"names\": true}", &drawing) == RB_OK);
+  CHECK(drawing.triangle_count >= 12 && drawing.text_count == 2 && strcmp(drawing.texts[1].text, "crate") == 0);
+  CHECK(rb_world_debug_draw(world, "{\"nams\": true}", &drawing) == RB_INVALID);
+  CHECK(rb_world_remove_joint(world, joints[0]) == RB_OK);
+  CHECK(rb_world_set_velocity(world, crate, push, still) == RB_OK);
+  CHECK(rb_world_body_state(world, crate, &state) == RB_OK && fabs(state.velocity[2] - 2) < 1e-6);
+  CHECK(rb_world_apply_impulse_at(world, crate, push, side) == RB_OK);
+  CHECK(rb_world_apply_angular_impulse(world, crate, push) == RB_OK);
+  CHECK(rb_world_body_state(world, crate, &state) == RB_OK && fabs(state.velocity[2] - 3) < 1e-6);
+  CHECK(fabs(state.angular_velocity[2] - 6) < 1e-5 && fabs(state.angular_velocity[1] + 3) < 1e-5);
+  CHECK(rb_world_run_events(world) == RB_OK);
+  CHECK(rb_world_table_hashes(world, &json) == RB_OK && strstr(json, "\"position\"") != NULL);
+  rb_sensors_destroy(sensors);
+  rb_world_destroy(world);
+  rb_scene_destroy(scene);
+}
+
+static void verticesOfManyWorldsAreRowsOfOneArray(void) {
+  rb_scene* scene = NULL;
+  rb_worlds* worlds = NULL;
+  rb_world* world = NULL;
+  rb_deformable_id object;
+  rb_array array;
+  const char* cable = NULL;
+  const double from[3] = {0, 0, 1}, to[3] = {1, 0, 1};
+  int32_t first = 0;
+  CHECK(rb_scene_create("", &scene) == RB_OK && rb_straight_cable(from, to, 4, &cable) == RB_OK);
+  CHECK(rb_scene_add(scene, "deformables", cable, NULL) == RB_OK);
+  CHECK(rb_worlds_create("{\"threads\": 1}", &worlds) == RB_OK);
+  CHECK(rb_worlds_add(worlds, scene, 3, NULL) == RB_OK && rb_worlds_step(worlds, 2, NULL, NULL) == RB_OK);
+  CHECK(rb_worlds_vertex_array(worlds, RB_VERTEX_POSITION, &array) == RB_OK && array.shape[0] == 15);
+  CHECK(rb_worlds_vertex_array(worlds, 2, &array) == RB_INVALID);
+  CHECK(rb_worlds_first_vertex(worlds, 2, &first) == RB_OK && first == 10);
+  CHECK(rb_worlds_world(worlds, 1, &world) == RB_OK && rb_world_deformable_at(world, 0, &object) == RB_OK);
+  CHECK(rb_world_first_vertex(world, object, &first) == RB_OK && first == 0);
+  CHECK(rb_world_vertex_array(world, RB_VERTEX_VELOCITY, &array) == RB_OK && array.shape[0] == 5);
+  rb_world_destroy(world);
+  rb_worlds_destroy(worlds);
+  rb_scene_destroy(scene);
+}
+
 static void aRegistrySceneIsJudged(void) {
   rb_run* run = NULL;
   const char* result = NULL;
@@ -259,6 +341,8 @@ int main(void) {
   aHingeAddedToAWorldStandsAtThePresentPoses();
   aSheetIsHitByQueriesThatAskForDeformables();
   aShapeLivesAsLongAsItIsUsed();
+  aBodyTellsItsMaterialItsJointsAndItsContacts();
+  verticesOfManyWorldsAreRowsOfOneArray();
   aRegistrySceneIsJudged();
   printf("%d failures\n", failures);
   return failures != 0;

@@ -110,6 +110,22 @@ std::vector<Call> calls() {
          std::int64_t count;
          return rb_world_contacts(s.world, &contacts, &count);
        }},
+      {"world_contacts_of",
+       [](Session& s) {
+         const rb_contact_point* contacts;
+         std::int64_t count;
+         return rb_world_contacts_of(s.world, s.ball, &contacts, &count);
+       }},
+      {"world_vertex_array",
+       [](Session& s) {
+         rb_array array;
+         return rb_world_vertex_array(s.world, RB_VERTEX_POSITION, &array);
+       }},
+      {"world_debug_draw",
+       [](Session& s) {
+         rb_debug_draw drawing;
+         return rb_world_debug_draw(s.world, R"({"contacts": true})", &drawing);
+       }},
       {"world_events",
        [](Session& s) {
          rb_events events;

@@ -37,10 +37,35 @@ class Layers(Case):
     def render(self, *arguments):
         self.rubble("render", self.scene(2), "-o", self.path("p.png"), *self.camera, *arguments)
 
-    def test_depths_of_both_formats_agree(self):
+    def exr(self, name):
+        """Channels of an OpenEXR file by name, as ffmpeg's decoder and the format's own library read it."""
+        data = self.content(name)
+        self.assertEqual(data[:8], b"\x76\x2f\x31\x01\x02\0\0\0")
+        attributes, at = {}, 8
+        while data[at]:
+            key, kind = data[at:].split(b"\0", 2)[:2]
+            at += len(key) + len(kind) + 2
+            size, = struct.unpack_from("<i", data, at)
+            attributes[key.decode()], at = data[at + 4:at + 4 + size], at + 4 + size
+        self.assertEqual(attributes["compression"], b"\0")
+        names = re.findall(rb"([A-Z.]+)\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0", attributes["channels"])
+        right, bottom = struct.unpack("<4i", attributes["dataWindow"])[2:]
+        width, channels = right + 1, {name.decode(): [] for name in names}
+        for line, begin in enumerate(struct.unpack_from(f"<{bottom + 1}Q", data, at + 1)):
+            size = 4 * width * len(names)
+            self.assertEqual(struct.unpack_from("<2i", data, begin), (line, size))
+            numbers = struct.unpack_from(f"<{width * len(names)}f", data, begin + 8)
+            for k, channel in enumerate(channels.values()):
+                channel += numbers[k * width:(k + 1) * width]
+        self.assertEqual(len(data), begin + 8 + size)
+        return channels
+
+    def test_depths_of_all_formats_agree(self):
         self.render("--depth", self.path("d.npy"))
         self.render("--depth", self.path("d.png"))
+        self.render("--depth", self.path("d.exr"))
         meters = struct.unpack("<5184f", self.content("d.npy")[128:])
+        self.assertEqual(self.exr("d.exr"), {"Z": list(meters)})
         millimeters = [number for row in words(self.path("d.png")) for number in row]
         self.assertEqual(len(millimeters), 96 * 54)
         for near, number in zip(meters, millimeters):
@@ -50,13 +75,19 @@ class Layers(Case):
 
     def test_normals_are_those_of_the_surfaces(self):
         self.render("--normals", self.path("n.png"))
+        self.render("--normals", self.path("n.npy"))
+        self.render("--normals", self.path("n.exr"))
+        numbers = struct.unpack("<15552f", self.content("n.npy")[128:])
+        self.assertEqual(self.exr("n.exr"),
+                         {name: list(numbers[k::3]) for k, name in enumerate(("N.X", "N.Y", "N.Z"))})
         rows = words(self.path("n.png"))
         seen = {(48, 33): (0, -1, 0), (48, 21): (0, 0, 1), (5, 45): (0, 0, 1)}
         for (x, y), wanted in seen.items():
-            for number, expected in zip(rows[y][3 * x:3 * x + 3], wanted):
+            for k, (number, expected) in enumerate(zip(rows[y][3 * x:3 * x + 3], wanted)):
                 self.assertAlmostEqual(number / 32767 - 1, expected, delta=0.02)
-        self.refused("render", self.scene(2), "-o", self.path("p.png"), "--normals", self.path("n.exr"),
-                     says=".png")
+                self.assertAlmostEqual(numbers[3 * (96 * y + x) + k], expected, delta=0.02)
+        self.refused("render", self.scene(2), "-o", self.path("p.png"), "--normals", self.path("n.bmp"),
+                     says=".exr")
 
     def test_the_sun_stands_where_it_is_put(self):
         def ground_beside(*sun):

@@ -255,7 +255,9 @@ class Window(unittest.TestCase):
         self.open(self.scene(SCENE))
         self.key("p")
         self.input("type", "--delay", "60", "freefall")
-        self.frames(4)
+        before = self.frames(4)["thumbnails"]
+        time.sleep(0.2)
+        self.assertGreater(self.frames(4)["thumbnails"], before)
         self.assertEqual(self.key("Return")["scene"], "free-fall")
         self.assertNotEqual(self.key("Next")["scene"], "free-fall")
         self.assertEqual(self.key("Prior")["scene"], "free-fall")

@@ -60,6 +60,9 @@ TEST_F(CudaWorlds, ArraysOfJointsAndSensorsTellWhatJointsAndBodiesTell) {
   expectArraysOfWorlds(rigid(620, 4), worldsOptions("cuda"), 12, copyOfDevice);
   expectAccelerations(worldsOptions("cuda"), copyOfDevice);
 }
+TEST_F(CudaWorlds, VerticesOfManyWorldsAreThoseOfEachAlone) {
+  expectVertexArrays(worldsOptions("cuda"), 6, copyOfDevice);
+}
 TEST_F(CudaWorlds, ForcesAlongAxesActOnBothBodies) { expectForcesAlongAxes(worldsOptions("cuda")); }
 TEST_F(CudaWorlds, RaysInManyWorldsHitWhatThoseOfEachHit) {
   expectRays(rigid(640, 5), worldsOptions("cuda"), 20);

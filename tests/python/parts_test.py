@@ -42,6 +42,38 @@ class Joints(Case):
         self.assertGreater(abs(a), 0.1)
         self.assertAlmostEqual(a + 2 * b, 0, places=3)
 
+    def test_a_body_tells_its_joints_its_contacts_and_its_material(self):
+        world = rubble.World(crate_scene(material={"friction": 0.25}), threads=1)
+        crate, ground = world.bodies["crate"], world.bodies["ground"]
+        rail = world.joints.add("slider", crate, anchor=(0, 0, 2), axis=(0, 0, 1), user_data=5)
+        self.assertEqual((crate.joints, rail.user_data, rail.frame_bodies), ([rail], 5, (None, None)))
+        crate.user_data = 2 ** 63 + 1
+        self.assertEqual(crate.user_data, 2 ** 63 + 1)
+        self.assertEqual(crate.material(), {"friction": 0.25})
+        self.assertInvalid("part", lambda: crate.material(1))
+        world.step(100)
+        self.assertEqual(len(crate.contacts), 4)
+        self.assertNear(world.contact_forces([(ground, crate), (crate, ground)])[:, 2],
+                        [2 * 9.81, -2 * 9.81], 0.1)
+        rail.set_motor_force(50)
+        world.step()
+        self.assertAlmostEqual(abs(rail.state.axes[0].motor_force), 50, places=3)
+        rail.remove()
+        crate.set_velocity((0, 0, 1))
+        crate.apply_impulse((0, 0, 2), at=crate.position + (0.5, 0, 0))
+        crate.apply_angular_impulse((0, 1, 0))
+        self.assertNear(crate.velocity, (0, 0, 2), 1e-6)
+        self.assertNear(crate.angular_velocity, (0, 0, 0), 1e-6)
+        self.assertIn("position", world.table_hashes())
+
+    def test_a_drawing_for_another_renderer_has_lines_and_triangles(self):
+        world = crate_world()
+        drawn = world.debug_draw(edges=True, names=True)
+        self.assertGreaterEqual(len(drawn.triangles), 12)
+        self.assertIn("crate", [text for _, text, _ in drawn.texts])
+        self.assertNear(np.ptp(drawn.lines["from"][:, 2]), 2.5, 1e-6)
+        self.assertInvalid("options.edge", lambda: world.debug_draw(edge=True))
+
     def test_a_drag_joint_pulls_a_body(self):
         world = crate_world()
         crate = world.bodies["crate"]
@@ -49,6 +81,24 @@ class Joints(Case):
         drag.drag_to((3, 0, 4))
         world.step(120)
         self.assertNear(crate.position, (3, 0, 4), 0.1)
+
+
+class Sensors(Case):
+    def test_they_read_a_world_of_their_scene(self):
+        scene = crate_scene()
+        scene.add_sensor("position", name="height", body="crate")
+        scene.add_sensor("touch", name="foot", body="crate", position=(0, 0, -0.5),
+                         volume=rubble.box(1.2, 1.2, 0.2))
+        world = rubble.World(scene, threads=1)
+        sensors = rubble.Sensors(scene, world)
+        self.assertEqual((list(sensors), len(sensors.values)), (["height", "foot"], 4))
+        self.assertNear(sensors["height"], (0, 0, 0))
+        world.step(100)
+        sensors.update()
+        self.assertNear(sensors["height"], world.bodies["crate"].position)
+        self.assertNear(sensors["foot"], [2 * 9.81], 0.1)
+        with self.assertRaises(KeyError):
+            sensors["hand"]
 
 
 class Deformables(Case):

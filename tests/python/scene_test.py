@@ -83,7 +83,7 @@ class Scenes(Case):
         self.assertEqual(scene.add_sensor("position", name="bob", body="arm", position=(0, 0, -1)), 2)
         self.assertInvalid("sensors[3].type", lambda: scene.add_sensor("smell"))
         world = rubble.World(scene, threads=1)
-        sensors = rubble.Sensors(world, scene)
+        sensors = rubble.Sensors(scene, world)
         self.assertEqual(sensors.names, ["weight", "sensor_1", "bob"])
         self.assertEqual(sensors.types, ["force", "joint_position", "position"])
         self.assertNear(sensors.values, np.zeros(7))
@@ -94,11 +94,11 @@ class Scenes(Case):
         angle = sensors["sensor_1"][0]
         self.assertGreater(angle, 0.01)
         self.assertNear(sensors["bob"], (-np.sin(angle), 0, -np.cos(angle)), 1e-5)
-        self.assertNear(np.concatenate(list(sensors)), sensors.values)
+        self.assertNear(np.concatenate([sensors[name] for name in sensors]), sensors.values)
         with self.assertRaises(KeyError):
             sensors["gyro"]
         other = rubble.World(rubble.Scene(), threads=1)
-        self.assertInvalid("sensors[0].body", lambda: rubble.Sensors(other, scene))
+        self.assertInvalid("sensors[0].body", lambda: rubble.Sensors(scene, other))
 
     def test_a_rod_is_bodies_and_joints(self):
         scene = rubble.Scene()

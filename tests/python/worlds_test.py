@@ -67,6 +67,24 @@ class ManyWorlds(Case):
         self.assertEqual(worlds.sensor_array("joint_force").shape, (8, 3))
         self.assertInvalid("array", lambda: worlds.joint_array("applied_force"))
 
+    def test_vertices_are_those_of_each_world(self):
+        scene = crate_scene()
+        scene.add_deformable(rubble.straight_cable((0, 0, 4), (1, 0, 4), 4))
+        scene.add_deformable(rubble.cloth_sheet((3, 0, 2), (1, 0, 0), (0, 1, 0), 2, 2), name="sheet")
+        worlds = rubble.Worlds(scene, 3, threads=1)
+        worlds[1].deformables["sheet"].apply_force(4, (0, 0, 1))
+        worlds.step(3)
+        first = worlds[1].deformables["sheet"].first_vertex
+        self.assertEqual((first, worlds.first_vertex(2)), (5, 28))
+        for name in ("position", "velocity"):
+            rows = worlds.vertex_array(name).reshape(3, -1, 3)
+            np.testing.assert_array_equal(rows[0], rows[2])
+            own = getattr(worlds[1].deformables["sheet"], {"position": "positions"}.get(name, "velocities"))
+            np.testing.assert_array_equal(rows[1, first:], own)
+            np.testing.assert_array_equal(rows[1], worlds[1].vertex_array(name))
+            self.assertTrue((rows[1] != rows[0]).any())
+        self.assertInvalid("array", lambda: worlds.vertex_array("force"))
+
     def test_touch_is_the_weight_of_what_rests(self):
         worlds = crates(3)
         worlds.step(200)

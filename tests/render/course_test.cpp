@@ -169,7 +169,7 @@ TEST(ViewPlan, LooksAroundAWallAndLeavesOutABox) {
     body.key = key;
     return body;
   };
-  io::PictureBody ball = bodyOf(Shape::sphere(.5), {0, 0, 1});
+  io::PictureBody ball = bodyOf(Shape::sphere(0.5), {0, 0, 1});
   ball.key = 9;
   const Framing front{{0, 1, 0}};
   // a wall between the eye and the ball
@@ -188,6 +188,21 @@ TEST(ViewPlan, LooksAroundAWallAndLeavesOutABox) {
     }
   const ViewPlan open(std::vector<std::vector<io::PictureBody>>{closed}, {0, 0, -9.81}, front);
   EXPECT_LT(open.shown(closed).size(), closed.size() + 1);
+}
+
+TEST(ViewPlan, LeavesTheHidingWallOutWhereTheCameraIsGiven) {
+  io::PictureBody wall = bodyOf(Shape::box({3, 0.1, 3}), {0, -1.2, 0}),
+                  ball = bodyOf(Shape::sphere(0.5), {0, 0, 1});
+  wall.motion = Motion::Static, wall.key = 1, ball.key = 2;
+  const std::vector<std::vector<io::PictureBody>> moments{{wall, ball}};
+  const Framing front{{0, 1, 0}};
+  const auto shown = [&](const std::optional<Vec3>& eye) {
+    const ViewPlan plan(moments, {0, 0, -9.81}, front, false, eye);
+    EXPECT_NEAR(plan.camera(moments[0]).eye.x, 0, 1e-9) << "it does not turn";
+    return plan.shown(moments[0]).size();
+  };
+  EXPECT_EQ(shown({}), 2u) << "the ball and a floor";
+  EXPECT_EQ(shown(Vec3{0, 5, 1}), 3u) << "from behind, the wall as well";
 }
 
 }  // namespace

@@ -156,6 +156,56 @@ inline void expectArraysOfWorlds(const RandomWorlds& random, const WorldOptions&
   for (int w = 0; w < count; ++w) expectArraysOfWorld(worlds[w], copy, false);
 }
 
+/// Vertices of many worlds, which differ in their deformable objects: those of each world alone, with the
+/// same bits, in the rows that firstVertex() names.
+inline void expectVertexArrays(const WorldOptions& options, int count, const CopyView& copy) {
+  const auto sceneOf = [](int w) {
+    Scene scene = emptyScene({0, 0, -10});
+    scene.bodies.push_back(ground());
+    if (w % 3 != 1)
+      scene.deformables.emplace_back(clothSheet({-1, -1, 0.05}, {2, 0, 0}, {0, 2, 0.1 * w}, 2, 2));
+    if (w % 2 != 0) scene.deformables.emplace_back(straightCable({0, 0, 1}, {1, 0, 1 + 0.1 * w}, 4));
+    return scene;
+  };
+  const auto play = [](Worlds& worlds, int world) {
+    worlds.step(5);
+    worlds[world].addDeformable(tetBox({3, 3, 0.1}, {1, 1, 1}, {1, 1, 1}));
+    worlds.step(5);
+  };
+  Worlds worlds(options);
+  for (int w = 0; w < count; ++w) worlds.add(sceneOf(w));
+  play(worlds, count / 2);
+  std::int64_t rows = 0;
+  for (int w = 0; w < count; ++w) {
+    EXPECT_EQ(worlds.firstVertex(w), rows) << "world " << w;
+    for (const DeformableId id : worlds[w].deformables()) rows += worlds[w].vertexCount(id);
+  }
+  for (const VertexArray which : {VertexArray::Position, VertexArray::Velocity}) {
+    const ArrayView view = worlds.array(which);
+    EXPECT_EQ(view.shape[0], rows);
+    EXPECT_EQ(view.shape[1], 3);
+    const std::vector<double> all = copy(view);
+    for (int w = 0; w < count; ++w) {
+      Worlds one(options);
+      one.add(sceneOf(w));
+      w == count / 2 ? play(one, 0) : void(one.step(10));
+      const std::vector<double> own = copy(one.array(which));
+      const auto first = all.begin() + 3 * worlds.firstVertex(w);
+      EXPECT_EQ(std::vector<double>(first, first + static_cast<std::ptrdiff_t>(own.size())), own)
+          << "world " << w;
+      EXPECT_EQ(copy(worlds[w].array(which)), own);
+      for (const DeformableId id : worlds[w].deformables()) {
+        const std::vector<Vec3> listed = which == VertexArray::Position ? worlds[w].positions(id)
+                                                                        : worlds[w].velocities(id);
+        for (std::size_t v = 0; v < listed.size(); ++v)
+          for (int i = 0; i < 3; ++i)
+            EXPECT_EQ(listed[v][i], own[3 * (static_cast<std::size_t>(worlds[w].firstVertex(id)) + v) +
+                                        static_cast<std::size_t>(i)]);
+      }
+    }
+  }
+}
+
 /// A force along an axis does what the same forces on both bodies do.
 inline void expectForcesAlongAxes(const WorldOptions& options) {
   Scene scene = emptyScene({0, 0, -10});

@@ -183,6 +183,11 @@ TEST(Arrays, OfManyWorldsAreThoseOfEach) {
   test::expectArraysOfWorlds({620, 4}, test::worldsOptions("cpu", 2), 34, test::copyOfHost);
 }
 
+TEST(Arrays, VerticesOfManyWorldsAreThoseOfEachAlone) {
+  test::expectVertexArrays(test::worldsOptions("cpu", 2), 35, test::copyOfHost);
+  test::expectVertexArrays(test::worldsOptions("reference"), 4, test::copyOfHost);
+}
+
 TEST(Arrays, ForcesAlongAxesActOnBothBodies) { test::expectForcesAlongAxes(test::worldsOptions()); }
 
 TEST(Arrays, AccelerometersShowGravityAtRest) {

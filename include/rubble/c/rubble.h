@@ -3,7 +3,6 @@
 /// (docs/scene_format.md); state, forces, queries and results are plain structs and arrays.
 #include <rubble/c/recording.h>
 #include <rubble/c/scene.h>
-#include <rubble/c/sensors.h>
 #include <rubble/c/types.h>
 #include <rubble/c/world.h>
 #include <rubble/c/worlds.h>

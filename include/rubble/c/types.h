@@ -104,6 +104,13 @@ typedef enum rb_sensor_array {
   RB_SENSOR_JOINT_TORQUE = 5    ///< by joint: on body B about its anchor, world axes [N m]: 3 numbers
 } rb_sensor_array;
 
+/// Arrays of the vertices of deformable objects, one row per vertex, 3 numbers per row. Objects are in the
+/// order in which they were added.
+typedef enum rb_vertex_array {
+  RB_VERTEX_POSITION = 0,  ///< world [m]: doubles
+  RB_VERTEX_VELOCITY = 1   ///< [m/s]
+} rb_vertex_array;
+
 /// A two-dimensional strided array. The members match the entries of __cuda_array_interface__ version 3.
 typedef struct rb_array {
   const void* data;
@@ -350,6 +357,31 @@ typedef struct rb_hit {
   uint64_t user_data;        ///< of the body or object
   uint64_t shape_user_data;  ///< of the shape of the body, or of the part of a compound
 } rb_hit;
+
+/// Primitives of a debug drawing, in world coordinates [m]. Colors are 0xRRGGBB.
+typedef struct rb_debug_line {
+  double from[3];
+  double to[3];
+  uint32_t color;
+} rb_debug_line;
+typedef struct rb_debug_triangle {
+  double corners[9];  ///< x, y, z of each corner, counter-clockwise seen from outside
+  uint32_t color;
+} rb_debug_triangle;
+typedef struct rb_debug_text {
+  double position[3];
+  const char* text;
+  uint32_t color;
+} rb_debug_text;
+/// The pointers belong to the world and are valid until its next debug drawing.
+typedef struct rb_debug_draw {
+  const rb_debug_line* lines;
+  int64_t line_count;
+  const rb_debug_triangle* triangles;
+  int64_t triangle_count;
+  const rb_debug_text* texts;
+  int64_t text_count;
+} rb_debug_draw;
 
 typedef struct rb_pose {
   double position[3];     ///< world [m]

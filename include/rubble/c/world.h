@@ -14,6 +14,9 @@ RB_API rb_status rb_world_create(const rb_scene* scene, const char* options, rb_
 RB_API void rb_world_destroy(rb_world* world);
 /// Advances the world by "dt". `report` may be null.
 RB_API rb_status rb_world_step(rb_world* world, rb_step_report* report);
+/// Applies the scripted events of the scene that are due, so that changes before the next step find them
+/// done.
+RB_API rb_status rb_world_run_events(rb_world* world);
 /// The complete report of the last step, as a JSON object.
 RB_API rb_status rb_world_report(rb_world* world, const char** json);
 /// All parameters as a JSON object.
@@ -60,6 +63,15 @@ RB_API rb_status rb_world_body_states(const rb_world* world, const rb_body_id* b
                                       rb_body_state* states);
 RB_API rb_status rb_world_set_body_states(rb_world* world, const rb_body_id* bodies, int64_t count,
                                           const rb_body_state* states);
+/// Of the center of mass [m/s] and about it, world axes [rad/s].
+RB_API rb_status rb_world_set_velocity(rb_world* world, rb_body_id body, const double velocity[3],
+                                       const double angular_velocity[3]);
+/// 64 bits of the caller: "user_data" of the definition.
+RB_API rb_status rb_world_body_user_data(const rb_world* world, rb_body_id body, uint64_t* user_data);
+RB_API rb_status rb_world_set_body_user_data(rb_world* world, rb_body_id body, uint64_t user_data);
+/// Joints of a body, and those it is the frame body of.
+RB_API rb_status rb_world_joints_of(rb_world* world, rb_body_id body, const rb_joint_id** joints,
+                                    int64_t* count);
 /// Kinematic bodies: sets the pose to reach in the next step.
 RB_API rb_status rb_world_set_target(rb_world* world, rb_body_id body, const double position[3],
                                      const double orientation[4]);
@@ -72,6 +84,11 @@ RB_API rb_status rb_world_apply_force_at(rb_world* world, rb_body_id body, const
 RB_API rb_status rb_world_apply_torque(rb_world* world, rb_body_id body, const double torque[3]);
 /// At the center of mass [N s].
 RB_API rb_status rb_world_apply_impulse(rb_world* world, rb_body_id body, const double impulse[3]);
+/// At a world point [m], [N s].
+RB_API rb_status rb_world_apply_impulse_at(rb_world* world, rb_body_id body, const double impulse[3],
+                                           const double point[3]);
+/// World axes [N m s].
+RB_API rb_status rb_world_apply_angular_impulse(rb_world* world, rb_body_id body, const double impulse[3]);
 /// Forces [N] and torques [N m] (may be null) of many bodies, 3 numbers each.
 RB_API rb_status rb_world_apply_forces(rb_world* world, const rb_body_id* bodies, int64_t count,
                                        const double* forces, const double* torques);
@@ -93,6 +110,9 @@ RB_API rb_status rb_world_shape_uses(const rb_world* world, rb_shape_id id, int6
 /// "user_data" of a part of a compound (from 0), or of the whole shape (0).
 RB_API rb_status rb_world_shape_user_data(const rb_world* world, rb_body_id body, int32_t part,
                                           uint64_t* user_data);
+/// Material of a part of a compound (from 0), or of the whole body (0), as a JSON object.
+RB_API rb_status rb_world_material_of(const rb_world* world, rb_body_id body, int32_t part,
+                                      const char** json);
 /// Adds a body of that shape. The JSON object has the keys of a body but "shape".
 RB_API rb_status rb_world_add_body_of(rb_world* world, rb_shape_id shape, const char* json, rb_body_id* body);
 RB_API rb_status rb_world_set_shape(rb_world* world, rb_body_id body, rb_shape_id shape);
@@ -100,9 +120,16 @@ RB_API rb_status rb_world_set_shape(rb_world* world, rb_body_id body, rb_shape_i
 /// A read-only view of a state array (rb_state_array), with all edits applied. It is valid while
 /// rb_world_epoch() is unchanged.
 RB_API rb_status rb_world_array(const rb_world* world, int32_t which, rb_array* array);
-/// An rb_joint_array or rb_sensor_array. Valid until the next call for the same array.
+/// An rb_joint_array, rb_sensor_array or rb_vertex_array. Valid until the next call for the same array.
 RB_API rb_status rb_world_joint_array(const rb_world* world, int32_t which, rb_array* array);
 RB_API rb_status rb_world_sensor_array(const rb_world* world, int32_t which, rb_array* array);
+RB_API rb_status rb_world_vertex_array(const rb_world* world, int32_t which, rb_array* array);
+/// Row of the first vertex of an object in the vertex arrays.
+RB_API rb_status rb_world_first_vertex(const rb_world* world, rb_deformable_id object, int32_t* row);
+/// Contact forces of the last step between the bodies of `count` pairs (two ids each), on the second one,
+/// world axes [N]: 3 numbers per pair. Valid until the next call.
+RB_API rb_status rb_world_contact_forces(const rb_world* world, const rb_body_id* pairs, int64_t count,
+                                         rb_array* array);
 /// Joint and axis of each row of the joint arrays. Either list may be null.
 RB_API rb_status rb_world_axes(rb_world* world, const rb_joint_id** joints, const int32_t** axes,
                                int64_t* count);
@@ -144,6 +171,9 @@ RB_API rb_status rb_world_joint_name(const rb_world* world, rb_joint_id joint, c
 /// A, B and their frame bodies.
 RB_API rb_status rb_world_joint_bodies(const rb_world* world, rb_joint_id joint, rb_body_id bodies[4]);
 RB_API rb_status rb_world_joint_state(const rb_world* world, rb_joint_id joint, rb_joint_state* state);
+/// 64 bits of the caller: "user_data" of the definition.
+RB_API rb_status rb_world_joint_user_data(const rb_world* world, rb_joint_id joint, uint64_t* user_data);
+RB_API rb_status rb_world_set_joint_user_data(rb_world* world, rb_joint_id joint, uint64_t user_data);
 /// Replaces the values that the JSON object names: limits, drives, lengths, stiffnesses, frames.
 RB_API rb_status rb_world_set_joint(rb_world* world, rb_joint_id joint, const char* json);
 /// [m] or [rad]
@@ -151,6 +181,8 @@ RB_API rb_status rb_world_set_target_position(rb_world* world, rb_joint_id joint
                                               double position);
 /// [m/s] or [rad/s]
 RB_API rb_status rb_world_set_target_speed(rb_world* world, rb_joint_id joint, int32_t axis, double speed);
+/// Motor of an axis: "motor_force" [N] or [N m].
+RB_API rb_status rb_world_set_motor_force(rb_world* world, rb_joint_id joint, int32_t axis, double force);
 /// Limits of an axis; infinite: none.
 RB_API rb_status rb_world_set_limits(rb_world* world, rb_joint_id joint, int32_t axis, double min,
                                      double max);
@@ -178,6 +210,11 @@ RB_API rb_status rb_world_deformable_definition(const rb_world* world, rb_deform
 /// elements keep their state.
 RB_API rb_status rb_world_set_deformable(rb_world* world, rb_deformable_id object, const char* json);
 RB_API rb_status rb_world_deformable_name(const rb_world* world, rb_deformable_id object, const char** name);
+/// 64 bits of the caller: "user_data" of the definition.
+RB_API rb_status rb_world_deformable_user_data(const rb_world* world, rb_deformable_id object,
+                                               uint64_t* user_data);
+RB_API rb_status rb_world_set_deformable_user_data(rb_world* world, rb_deformable_id object,
+                                                   uint64_t user_data);
 RB_API rb_status rb_world_vertex_count(const rb_world* world, rb_deformable_id object, int64_t* count);
 /// `positions` has 3 numbers per vertex [m]; `count`: number of vertices that it has room for.
 RB_API rb_status rb_world_vertex_positions(const rb_world* world, rb_deformable_id object, double* positions,
@@ -211,6 +248,9 @@ RB_API rb_status rb_world_vertex_contacts(rb_world* world, const rb_vertex_conta
 
 RB_API rb_status rb_world_quality(const rb_world* world, rb_quality* quality);
 RB_API rb_status rb_world_contacts(rb_world* world, const rb_contact_point** contacts, int64_t* count);
+/// Contact points of one body.
+RB_API rb_status rb_world_contacts_of(rb_world* world, rb_body_id body, const rb_contact_point** contacts,
+                                      int64_t* count);
 RB_API rb_status rb_world_contact_load(const rb_world* world, rb_body_id body, rb_contact_load* load);
 /// Solver states of all bodies, in the order of rb_world_bodies().
 RB_API rb_status rb_world_solver_states(rb_world* world, const rb_solver_state** states, int64_t* count);
@@ -245,6 +285,8 @@ RB_API int64_t rb_world_memory_bytes(const rb_world* world);
 RB_API rb_status rb_world_reserve(rb_world* world, const char* kind, int32_t count);
 /// Hash of the persistent state.
 RB_API rb_status rb_world_hash(const rb_world* world, uint64_t* hash);
+/// Hashes of the single tables of that state, as a JSON object of whole numbers by name.
+RB_API rb_status rb_world_table_hashes(const rb_world* world, const char** json);
 RB_API rb_status rb_world_snapshot(const rb_world* world, rb_snapshot** snapshot);
 RB_API rb_status rb_world_restore(rb_world* world, const rb_snapshot* snapshot);
 /// The snapshot as bytes, for a file. They are valid until the next call for this snapshot.
@@ -254,6 +296,21 @@ RB_API rb_status rb_snapshot_from_bytes(const uint8_t* bytes, int64_t count, rb_
 RB_API void rb_snapshot_destroy(rb_snapshot* snapshot);
 /// Backend "lockstep" only: the first difference found, or "".
 RB_API rb_status rb_world_first_difference(const rb_world* world, const char** difference);
+
+/// The sensors of a scene ("sensors" of scene files, and those of imported models), for a world of that
+/// scene. They keep the world alive.
+RB_API rb_status rb_sensors_create(const rb_scene* scene, rb_world* world, rb_sensors** sensors);
+RB_API void rb_sensors_destroy(rb_sensors* sensors);
+/// "name", "type", "first" number and "count" of numbers of each sensor, as a JSON list.
+RB_API rb_status rb_sensors_list(const rb_sensors* sensors, const char** json);
+/// Measures. Accelerations are those since the last call, so call it after each step. The numbers of all
+/// sensors are valid until the next call; `values` and `count` may be null.
+RB_API rb_status rb_sensors_update(rb_sensors* sensors, const double** values, int64_t* count);
+
+/// The world as colored lines, triangles and texts. `options`: JSON object, or null: "surfaces" (true unless
+/// given), "edges", "contacts", "joints", "bounds", "names" (false unless given), "force_scale" [m/N],
+/// "plane_size" [m], "segments".
+RB_API rb_status rb_world_debug_draw(rb_world* world, const char* options, rb_debug_draw* drawing);
 
 #ifdef __cplusplus
 }

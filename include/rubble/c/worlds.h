@@ -38,6 +38,9 @@ RB_API rb_status rb_worlds_scatter(rb_worlds* worlds, int32_t which, const rb_ar
 /// As rb_world_joint_array() and rb_world_sensor_array(), world after world.
 RB_API rb_status rb_worlds_joint_array(const rb_worlds* worlds, int32_t which, rb_array* array);
 RB_API rb_status rb_worlds_sensor_array(const rb_worlds* worlds, int32_t which, rb_array* array);
+/// As rb_world_vertex_array(), world after world; with the row of the first vertex of a world.
+RB_API rb_status rb_worlds_vertex_array(const rb_worlds* worlds, int32_t which, rb_array* array);
+RB_API rb_status rb_worlds_first_vertex(const rb_worlds* worlds, int32_t number, int32_t* row);
 /// Row of the first axis of a world in the joint arrays.
 RB_API rb_status rb_worlds_first_axis(const rb_worlds* worlds, int32_t number, int32_t* row);
 RB_API rb_status rb_worlds_scatter_joints(rb_worlds* worlds, int32_t which, const rb_array* rows,

@@ -103,7 +103,10 @@ class WorldsEnv(VectorEnv):
 
     def vertices(self, name: str, what: str = "positions") -> np.ndarray:
         """Positions [m] or "velocities" [m/s] of a deformable object: (num_envs, vertices, 3)."""
-        return np.stack([getattr(self.worlds[w].deformables[name], what) for w in range(self.num_envs)])
+        block = self.worlds[0].deformables[name]
+        array = on_host(self.worlds.vertex_array({"positions": "position", "velocities": "velocity"}[what]))
+        first = block.first_vertex
+        return array.reshape(self.num_envs, -1, 3)[:, first:first + len(block)]
 
     def joints(self, name: str) -> np.ndarray:
         """`rubble.Worlds.joint_array` as (num_envs, axes)."""

@@ -77,6 +77,7 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   void setJointRows(const JointRows& rows) override { jointRows_.set(rows); }
   ArrayView array(JointArray which) override { return jointRows_.view(tables(), which); }
   ArrayView array(SensorArray which) override { return jointRows_.view(tables(), which); }
+  ArrayView array(VertexArray which) override { return rowsOf(which, tables().view()); }
   ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override {
     return jointRows_.contactForces(tables(), pairs);
   }

@@ -48,6 +48,7 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   void setJointRows(const JointRows& rows) override { mirror_.setJointRows(rows); }
   ArrayView array(JointArray which) override { return mirror_.array(which); }
   ArrayView array(SensorArray which) override { return mirror_.array(which); }
+  ArrayView array(VertexArray which) override { return mirror_.array(which); }
   ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override {
     return mirror_.contactForces(pairs);
   }

@@ -77,6 +77,7 @@ class Mirror {
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
   /// As Engine::array, in device memory.
   ArrayView array(StateArray which);
+  ArrayView array(VertexArray which);
   // Rows of joints, and sensors.
   void setJointRows(const JointRows& rows) { jointRows_.set(rows, stepper_.stream()); }
   ArrayView array(JointArray which) {
@@ -158,6 +159,8 @@ class Mirror {
   void noteForces();
   /// The tables of the device with the sizes of the host.
   SolverData present() { return onDevice(host_.view(), stepper_.tables().view()); }
+  /// A view of memory of the device.
+  ArrayView inDeviceMemory(ArrayView view) const;
   /// Calls write(rows, values) with both in device memory, in the order of their streams.
   template <class Write> void withValues(const ArrayView& rows, const ArrayView& values, const Write& write);
   /// A scatter has changed states on the device.

@@ -120,16 +120,25 @@ void Mirror::bodiesSorted() {
   s.ordered = inOtherOrder(s);
 }
 
+ArrayView Mirror::inDeviceMemory(ArrayView view) const {
+  view.device = true;
+  view.stream = reinterpret_cast<std::uintptr_t>(stepper_.stream());
+  return view;
+}
+
 ArrayView Mirror::array(StateArray which) {
   flush();
   const SolverData& device = stepper_.tables().view();
   const int bodies = host_.bodyIds;
-  ArrayView view = host_.view().ordered
-                       ? byId_.view(which, device, bodies, gather())
-                       : withStateArray(which, [&](auto member) { return rowsOf(device.*member, bodies); });
-  view.device = true;
-  view.stream = reinterpret_cast<std::uintptr_t>(stepper_.stream());
-  return view;
+  return inDeviceMemory(host_.view().ordered ? byId_.view(which, device, bodies, gather())
+                                             : withStateArray(which, [&](auto member) {
+                                                 return rowsOf(device.*member, bodies);
+                                               }));
+}
+
+ArrayView Mirror::array(VertexArray which) {
+  flush();
+  return inDeviceMemory(rowsOf(which, present()));
 }
 
 void Mirror::followArrays() {

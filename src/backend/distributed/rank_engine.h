@@ -58,6 +58,7 @@ class RankEngine final : public ObservableEngine {
   EngineOverlaps overlaps(const EngineQueries& asked) override { return own().overlaps(asked); }
   EngineAllHits allHits(const EngineQueries& asked) override { return own().allHits(asked); }
   ArrayView array(StateArray which) override { return own().array(which); }
+  ArrayView array(VertexArray which) override { return own().array(which); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     guarded([&] { own().scatter(which, rows, values); });
   }

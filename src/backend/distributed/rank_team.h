@@ -76,6 +76,9 @@ class RankTeam final : public Engine {
   ArrayView array(StateArray which) override {
     return first([&](RankEngine& e) { return e.array(which); });
   }
+  ArrayView array(VertexArray which) override {
+    return first([&](RankEngine& e) { return e.array(which); });
+  }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     each([&](Engine& e) { e.scatter(which, rows, values); });
   }
