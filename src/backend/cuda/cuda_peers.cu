@@ -269,7 +269,7 @@ void CudaPeers::requireAll(int lacking, int needed) const {
 }
 
 void CudaPeers::restart() {
-  holdsAll_ = true;
+  holdsAll_ = true, isLoaded_ = false;
   for (std::vector<int>& told : impl_->told) told.clear();
   const int values[] = {1, 0};
   checkCuda(cudaMemcpyAsync(&data_.cut->holdsAll, &values[0], sizeof(int), cudaMemcpyHostToDevice, stream_),
@@ -338,7 +338,20 @@ void CudaPeers::meetIf(const int* condition) {
   KernelLauncher& launcher = *launcher_;
   if (!launcher.begins()) return;
   launcher.enterStage("ranks");
-  launcher.launchNext(meetAll, {1, kMostPeers}, "ranks", impl_->signal, condition, launcher.control_);
+  launchBarrier([&] {
+    launcher.launchNext(meetAll, {1, kMostPeers}, "ranks", impl_->signal, condition, launcher.control_);
+  });
+}
+/// The first launch of a kernel loads it, for which CUDA may wait for the end of all work under way. Work
+/// that waits for a rank that has not launched its part would then never end. So until all kernels have run,
+/// ranks launch a barrier when their devices have ended everything else, and go on when they have ended the
+/// barrier.
+template <class Launch> void CudaPeers::launchBarrier(Launch&& launch) {
+  const bool alone = !isLoaded_ && !launcher_->options_.captured;
+  const auto end = [&] { checkCuda(cudaStreamSynchronize(stream_), "a barrier of devices"); };
+  if (alone) end(), awaitAll();
+  launch();
+  if (alone) end();
 }
 
 void CudaPeers::plan() {
@@ -364,8 +377,11 @@ void CudaPeers::beginColors(int limit) {
 void CudaPeers::shareColor(int color) {
   KernelLauncher& launcher = *launcher_;
   const Count shared{0, countOf(PeerList::SharedBodies), elements(PeerList::SharedBodies)};
-  launcher.launchNext(storeColor, {launcher.blocksFor(tables().bodies / kBodiesPerStore), kThreads}, "ranks",
-                      tables(), ShareSeenOfColor{{data_}, color}, shared, impl_->signal, launcher.control_);
+  launchBarrier([&] {
+    launcher.launchNext(storeColor, {launcher.blocksFor(tables().bodies / kBodiesPerStore), kThreads},
+                        "ranks", tables(), ShareSeenOfColor{{data_}, color}, shared, impl_->signal,
+                        launcher.control_);
+  });
 }
 
 void CudaPeers::share(Share what, int which) {
@@ -387,7 +403,9 @@ void CudaPeers::share(Share what, int which) {
 }
 
 void CudaPeers::gatherState() {
+  const bool loaded = std::exchange(isLoaded_, false);  // its own kernels are not those of a step
   peers::gatherState(*this);
+  isLoaded_ = loaded;
   const int one = 1;
   checkCuda(cudaMemcpyAsync(&data_.cut->holdsAll, &one, sizeof one, cudaMemcpyHostToDevice, stream_),
             "cudaMemcpyAsync");

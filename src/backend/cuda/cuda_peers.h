@@ -29,9 +29,11 @@ class CudaPeers {
   /// addresses on the device: the parity of a step, and kBetweenSteps more between steps.
   void meet(int place);
   static constexpr int kBetweenSteps = 2, kPlaces = 4;
-  /// Waits until the kernels of all ranks have ended: a step stopped. Before that others may still read and
-  /// store here.
+  /// Waits for all ranks, each of which calls it when its kernels have ended. Before that others may still
+  /// read and store here.
   void awaitAll();
+  /// Every kernel of a step has run.
+  void hasStepped() { isLoaded_ = true; }
   /// Throws RankFailure if a step stopped because a device did not answer.
   void requireAll(int lacking, int needed) const;
   /// The tables were replaced or sorted. All ranks have the whole state.
@@ -80,6 +82,7 @@ class CudaPeers {
   struct Impl;
   template <class Test> void launchSelect(PeerList list, const Test& test, const Count& n, int most);
   void meetIf(const int* condition);
+  template <class Launch> void launchBarrier(Launch&& launch);
   int mostOf(PeerList list) const;
 
   DeviceTables& tables_;
@@ -88,6 +91,7 @@ class CudaPeers {
   PeerData data_;
   std::unique_ptr<Impl> impl_;
   bool planned_ = false, activeListed_ = false, summed_ = false, holdsAll_ = true;
+  bool isLoaded_ = false;  ///< kernels of a step are on the device
 };
 
 }  // namespace rubble::RUBBLE_CORE

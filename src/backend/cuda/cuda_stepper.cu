@@ -80,6 +80,7 @@ class StepGraph {
     captured_ = c;
   }
 
+  void upload(cudaStream_t stream) { checkCuda(cudaGraphUpload(exec_, stream), "cudaGraphUpload"); }
   void launch(cudaStream_t stream) { checkCuda(cudaGraphLaunch(exec_, stream), "cudaGraphLaunch"); }
   const Timeline& timeline() const { return timeline_; }
 
@@ -158,12 +159,22 @@ struct CudaStepper::Impl {
       stream.wait();
       return direct;
     }
-    if (!holds) graph.capture(now, stream.get(), [&](Timeline& timeline) { enqueue(0, &timeline, true); });
+    if (!holds) {
+      graph.capture(now, stream.get(), [&](Timeline& timeline) { enqueue(0, &timeline, true); });
+      if (peers) awaitGraphs(graph);
+    }
     graph.launch(stream.get());
     stream.wait();
     return graph.timeline();
   }
 
+  /// A graph takes memory of its device, for which CUDA may wait for kernels of others. So none is launched
+  /// before all ranks have theirs; configurations change alike on all.
+  void awaitGraphs(StepGraph& graph) {
+    graph.upload(stream.get());
+    stream.wait();
+    peers->awaitAll();
+  }
   /// Tables of all GPUs have grown alike, so their addresses are exchanged again.
   void reservePeers() {
     peers->reserve();
@@ -296,6 +307,7 @@ Counters CudaStepper::step(const SolverData& host, StepReport& report) {
     m.tables.swapManifolds();
     m.parity ^= 1;
   }
+  if (m.peers) m.peers->hasStepped();
   const Counters counters = m.status->counters;
   m.colors.note(m.status->control.wideColors);
   return counters;
