@@ -38,6 +38,7 @@ inline std::size_t elementsCounted(const SolverData& s, Per per) {
     case Per::Boundary:
       return count(c.boundary);
     case Per::NodeLevel:
+    case Per::Member:
       return count(s.nodes() * kCoarseLevels);
     case Per::SoftNode:
       return count(s.softNodes);
@@ -93,7 +94,14 @@ inline bool isCountedInSteps(Per per) {
 /// Elements of a kind that a step has written so far. A count exceeds the capacity until the tables have
 /// grown.
 inline std::size_t elementsWritten(const HostTables& tables, Per per) {
-  return std::min(elementsCounted(tables.view(), per), static_cast<std::size_t>(tables.capacity(per)));
+  const SolverData& s = tables.view();
+  const auto room = static_cast<std::size_t>(tables.capacity(per));
+  // nodes of no aggregate may follow the members
+  if (per == Per::Member && s.aggregateOffset)
+    return std::min(static_cast<std::size_t>(
+                        s.aggregateOffset[std::min(s.counters->aggregates, tables.capacity(Per::Aggregate))]),
+                    room);
+  return std::min(elementsCounted(s, per), room);
 }
 
 /// The most elements that steps have written to each table so far, and one more for the end of offsets:

@@ -112,7 +112,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::isRoot, "isRoot", "", Per::NodeLevel, Lifetime::Work);
   is(&SolverData::aggregateIndex, "aggregateIndex", "", Per::NodeLevel, Lifetime::Work, 1);
   is(&SolverData::aggregateOf, "aggregateOf", "", Per::NodeLevel, Lifetime::Work);
-  is(&SolverData::aggregateNode, "aggregateNode", "", Per::NodeLevel, Lifetime::Work);
+  is(&SolverData::aggregateNode, "aggregateNode", "", Per::Member, Lifetime::Work);
   is(&SolverData::aggregate, "aggregate", "", Per::Aggregate, Lifetime::Work);
   is(&SolverData::aggregateOffset, "aggregateOffset", "", Per::Aggregate, Lifetime::Work, 1);
   is(&SolverData::aggregateSlices, "aggregateSlices", "", Per::Aggregate, Lifetime::Work);

@@ -10,6 +10,7 @@ enum class Per {
   Body,
   BodySlot,
   NodeLevel,
+  Member,  ///< a node of an aggregate, at all levels
   Pair,
   ActivePair,
   Manifold,

@@ -41,8 +41,8 @@ int traitsOf(const SolverData& s, int slot) {
 }  // namespace
 
 void reserveNodes(HostTables& tables) {
-  tables.reserve(Per::NodeLevel,
-                 (tables.capacity(Per::Body) + tables.capacity(Per::SoftNode)) * kCoarseLevels);
+  for (const Per per : {Per::NodeLevel, Per::Member})
+    tables.reserve(per, (tables.capacity(Per::Body) + tables.capacity(Per::SoftNode)) * kCoarseLevels);
 }
 
 void clearBodySlots(HostTables& tables, int begin) {
