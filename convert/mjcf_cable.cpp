@@ -98,6 +98,14 @@ void set(pugi::xml_node node, const char* key, const std::string& value) {
 
 }  // namespace
 
+bool MjcfReader::isCable(pugi::xml_node node) const {
+  if (std::string_view(node.name()) == "composite")
+    return std::string_view(node.attribute("type").value()) == "cable";
+  if (const pugi::xml_attribute plugin = node.attribute("plugin"))
+    return plugin.value() == std::string_view(kPlugin);
+  return cables_.contains(node.attribute("instance").value());
+}
+
 /// Adds the bodies of a cable to its element, one after the other, each in the frame of the one before.
 void MjcfReader::expandCable(const Tag& tag, const std::string& childClass) {
   pugi::xml_node node = tag.node();
@@ -152,8 +160,6 @@ void MjcfReader::expandCable(const Tag& tag, const std::string& childClass) {
 }
 
 void MjcfReader::readComposite(const Tag& tag, const MjcfScope& scope) {
-  if (tag.text("type").value_or("") != "cable") return;  // reported with what is not used
-  source_.use(tag.node());
   if (!tag.node().child("body")) {
     const auto use = [&](const auto& self, const pugi::xml_node& node) -> void {
       for (const pugi::xml_node& child : node.children()) {
@@ -180,9 +186,8 @@ void MjcfReader::readComposite(const Tag& tag, const MjcfScope& scope) {
 
 void MjcfReader::readExtension(pugi::xml_node node) {
   for (const pugi::xml_node& child : source_.children(node, "plugin")) {
-    const Tag plugin(source_, child);
-    if (plugin.text("plugin").value_or("") != kPlugin) continue;
-    source_.use(child);
+    if (!isCable(child)) continue;
+    source_.use(child), source_.use(child.attribute("plugin"));
     for (const pugi::xml_node& instance : source_.children(child, "instance")) {
       source_.use(instance);
       readCableConfig(instance, cables_[Tag(source_, instance).need("name")]);
@@ -206,9 +211,8 @@ void MjcfReader::readCableConfig(pugi::xml_node node, MjcfCable& cable) {
 
 void MjcfReader::readPlugin(const Tag& tag, const MjcfScope& scope) {
   const std::string instance = tag.text("instance").value_or("");
-  const bool isCable = tag.text("plugin").value_or("") == kPlugin || cables_.contains(instance);
-  if (!isCable || scope.link == 0) return;  // reported with what is not used
-  source_.use(tag.node());
+  tag.text("plugin");
+  if (scope.link == 0) tag.fail("plugin", "a plugin of a body that is not the world", "another");
   const std::string name = instance + scope.suffix;
   MjcfCable& cable = cables_[name];
   if (name != instance && cable.links.empty()) {
