@@ -12,6 +12,8 @@ namespace {
 
 constexpr const char* kPlugin = "mujoco.elasticity.cable";
 constexpr int kMostPoints = 10000;
+/// Elements and attributes of all segments together.
+constexpr std::size_t kMostCopies = 2000000;
 
 /// Torsion constant and second moments about y and z of the section of a segment along x [m4].
 std::optional<Vec3> sectionOf(const Shape& shape) {
@@ -85,6 +87,14 @@ std::vector<Quat> framesAlong(const std::vector<Vec3>& points) {
   return out;
 }
 
+/// Elements and attributes in an element.
+std::size_t sizeOf(const pugi::xml_node& node) {
+  std::size_t out = 1;
+  for ([[maybe_unused]] const pugi::xml_attribute& each : node.attributes()) ++out;
+  for (const pugi::xml_node& child : node.children()) out += sizeOf(child);
+  return out;
+}
+
 std::string textOf(const Vec3& v) {
   std::ostringstream out;
   out.precision(17), out << v.x << ' ' << v.y << ' ' << v.z;
@@ -112,11 +122,12 @@ void MjcfReader::expandCable(const Tag& tag, const std::string& childClass) {
   const std::string prefix = tag.text("prefix").value_or("");
   const std::size_t initial = tag.choice("initial", {"none", "free", "ball"}, 2);
   const std::vector<Vec3> points = pointsOf(tag);
+  if (points.size() * sizeOf(node) > kMostCopies)
+    tag.fail("count", "fewer segments of a composite of this size", std::to_string(points.size()));
   const std::vector<Quat> frames = framesAlong(points);
   const pugi::xml_node joint = node.child("joint"), geom = node.child("geom"), site = node.child("site"),
                        plugin = node.child("plugin");
   const Pose pose{tag.vector("offset").value_or(Vec3{}), orientationOf(tag)};
-  std::vector<pugi::xml_node> bodies;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const bool isFirst = i == 0, isLast = i + 1 == frames.size();
     const std::string number = isFirst ? "first" : isLast ? "last" : std::to_string(i);
