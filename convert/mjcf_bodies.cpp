@@ -47,8 +47,8 @@ void MjcfReader::readChildren(pugi::xml_node node, const MjcfScope& scope) {
     if (type == "camera") readCamera(tagOf(child, scope.childClass), scope);
     if (type == "light") readLight(tagOf(child, scope.childClass), scope);
     if (type == "flexcomp") readFlexcomp(Tag(source_, child), scope);
-    if (type == "composite") readComposite(Tag(source_, child), scope);
-    if (type == "plugin") readPlugin(Tag(source_, child), scope);
+    if (type == "composite" && isCable(child)) readComposite(Tag(source_, child), scope);
+    if (type == "plugin" && isCable(child)) readPlugin(Tag(source_, child), scope);
     if (type == "site") {
       const Tag tag = tagOf(child, scope.childClass);
       if (const std::string name = tag.name(); !name.empty())

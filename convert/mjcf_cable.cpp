@@ -12,6 +12,8 @@ namespace {
 
 constexpr const char* kPlugin = "mujoco.elasticity.cable";
 constexpr int kMostPoints = 10000;
+/// Elements and attributes of all segments together.
+constexpr std::size_t kMostCopies = 2000000;
 
 /// Torsion constant and second moments about y and z of the section of a segment along x [m4].
 std::optional<Vec3> sectionOf(const Shape& shape) {
@@ -85,6 +87,14 @@ std::vector<Quat> framesAlong(const std::vector<Vec3>& points) {
   return out;
 }
 
+/// Elements and attributes in an element.
+std::size_t sizeOf(const pugi::xml_node& node) {
+  std::size_t out = 1;
+  for ([[maybe_unused]] const pugi::xml_attribute& each : node.attributes()) ++out;
+  for (const pugi::xml_node& child : node.children()) out += sizeOf(child);
+  return out;
+}
+
 std::string textOf(const Vec3& v) {
   std::ostringstream out;
   out.precision(17), out << v.x << ' ' << v.y << ' ' << v.z;
@@ -98,17 +108,26 @@ void set(pugi::xml_node node, const char* key, const std::string& value) {
 
 }  // namespace
 
+bool MjcfReader::isCable(pugi::xml_node node) const {
+  if (std::string_view(node.name()) == "composite")
+    return std::string_view(node.attribute("type").value()) == "cable";
+  if (const pugi::xml_attribute plugin = node.attribute("plugin"))
+    return plugin.value() == std::string_view(kPlugin);
+  return cables_.contains(node.attribute("instance").value());
+}
+
 /// Adds the bodies of a cable to its element, one after the other, each in the frame of the one before.
 void MjcfReader::expandCable(const Tag& tag, const std::string& childClass) {
   pugi::xml_node node = tag.node();
   const std::string prefix = tag.text("prefix").value_or("");
   const std::size_t initial = tag.choice("initial", {"none", "free", "ball"}, 2);
   const std::vector<Vec3> points = pointsOf(tag);
+  if (points.size() * sizeOf(node) > kMostCopies)
+    tag.fail("count", "fewer segments of a composite of this size", std::to_string(points.size()));
   const std::vector<Quat> frames = framesAlong(points);
   const pugi::xml_node joint = node.child("joint"), geom = node.child("geom"), site = node.child("site"),
                        plugin = node.child("plugin");
   const Pose pose{tag.vector("offset").value_or(Vec3{}), orientationOf(tag)};
-  std::vector<pugi::xml_node> bodies;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const bool isFirst = i == 0, isLast = i + 1 == frames.size();
     const std::string number = isFirst ? "first" : isLast ? "last" : std::to_string(i);
@@ -152,8 +171,6 @@ void MjcfReader::expandCable(const Tag& tag, const std::string& childClass) {
 }
 
 void MjcfReader::readComposite(const Tag& tag, const MjcfScope& scope) {
-  if (tag.text("type").value_or("") != "cable") return;  // reported with what is not used
-  source_.use(tag.node());
   if (!tag.node().child("body")) {
     const auto use = [&](const auto& self, const pugi::xml_node& node) -> void {
       for (const pugi::xml_node& child : node.children()) {
@@ -180,9 +197,8 @@ void MjcfReader::readComposite(const Tag& tag, const MjcfScope& scope) {
 
 void MjcfReader::readExtension(pugi::xml_node node) {
   for (const pugi::xml_node& child : source_.children(node, "plugin")) {
-    const Tag plugin(source_, child);
-    if (plugin.text("plugin").value_or("") != kPlugin) continue;
-    source_.use(child);
+    if (!isCable(child)) continue;
+    source_.use(child), source_.use(child.attribute("plugin"));
     for (const pugi::xml_node& instance : source_.children(child, "instance")) {
       source_.use(instance);
       readCableConfig(instance, cables_[Tag(source_, instance).need("name")]);
@@ -206,9 +222,8 @@ void MjcfReader::readCableConfig(pugi::xml_node node, MjcfCable& cable) {
 
 void MjcfReader::readPlugin(const Tag& tag, const MjcfScope& scope) {
   const std::string instance = tag.text("instance").value_or("");
-  const bool isCable = tag.text("plugin").value_or("") == kPlugin || cables_.contains(instance);
-  if (!isCable || scope.link == 0) return;  // reported with what is not used
-  source_.use(tag.node());
+  tag.text("plugin");
+  if (scope.link == 0) tag.fail("plugin", "a plugin of a body that is not the world", "another");
   const std::string name = instance + scope.suffix;
   MjcfCable& cable = cables_[name];
   if (name != instance && cable.links.empty()) {

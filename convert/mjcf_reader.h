@@ -219,6 +219,8 @@ class MjcfReader {
   void readFlexcomp(const Tag& tag, const MjcfScope& scope);
 
   // mjcf_cable.cpp
+  /// Is this a composite or plugin of a cable? Others are left, and so reported.
+  bool isCable(pugi::xml_node node) const;
   void readComposite(const Tag& tag, const MjcfScope& scope);
   void expandCable(const Tag& tag, const std::string& childClass);
   void readExtension(pugi::xml_node node);
