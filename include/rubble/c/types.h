@@ -11,7 +11,7 @@
 #define RB_API
 #endif
 
-/// Version of this interface. It changes when a function or a struct changes.
+/// Version of this interface. It rises when a function or a struct changes; additions keep it.
 #define RB_API_VERSION 3
 
 #ifdef __cplusplus
