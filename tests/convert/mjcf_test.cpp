@@ -111,6 +111,36 @@ TEST(Mjcf, TwoHingesOfOneBodyAreOneJointWithTwoFreeAxes) {
   EXPECT_EQ(model.file.scene.bodies.size(), 1u);
 }
 
+TEST(Mjcf, HingesOfOneBodyThatAreNotOrthogonalAreReportedWithTheirLine) {
+  const auto notesOf = [](const std::string& second) {
+    const Import model = importText(
+        mjcf("<body name='b'>\n<joint name='i' axis='1 0 0'/><joint name='j' axis='" + second +
+             "'/><geom size='.1' pos='0 0 -.5'/></body>"));
+    std::vector<convert::Note> out;
+    for (const convert::Note& note : model.report.notes)
+      if (note.effect == Effect::Approximate) out.push_back(note);
+    return out;
+  };
+  EXPECT_TRUE(notesOf("0 1 0").empty());
+  const std::vector<convert::Note> notes = notesOf("1 1 0");
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].place.file, "model.xml");
+  EXPECT_EQ(notes[0].place.line, 2);
+  EXPECT_EQ(notes[0].what, "joints of body 'b'");
+}
+
+TEST(Mjcf, ArmatureOfABallJointIsThatOfItsSwingAndTwist) {
+  const Import model = importText(
+      mjcf("<body name='b'><joint name='j' type='ball' armature='.5' damping='2'/><geom size='.1'/></body>"));
+  const JointDef& joint = jointNamed(model, "j");
+  ASSERT_EQ(joint.type, JointType::SixDof);
+  for (const std::size_t axis : {3u, 4u, 5u}) {
+    EXPECT_EQ(joint.axes[axis].armature, .5);
+    EXPECT_EQ(joint.axes[axis].damping, 2);
+  }
+  EXPECT_EQ(effectsOf(model, "joint.armature"), std::vector{Effect::Approximate});
+}
+
 TEST(Mjcf, ASlideBehindAHingeMovesAlongItsOwnBody) {
   const Import model = importText(
       mjcf("<body name='b'><joint name='turn' axis='0 1 0'/><joint name='reach' type='slide' "
