@@ -23,10 +23,10 @@ struct ExpectedWay {
 /// Largest detour of a vertex that avoids a crossing: this many radii of its surface, plus this share of its
 /// motion [1].
 inline constexpr Real kDetourRadii = 2, kDetourShare = Real(.5);
-/// The motion that the iterations have found. It is zero if it is not finite, because the vertex then does
-/// not move (FinishVertices).
+/// The motion that the iterations have found. It is zero if the vertex does not move with it
+/// (FinishVertices).
 RUBBLE_HD inline Vec3 foundWay(const SolverData& s, int v) {
-  return isFinite(s.vertexMoved[v]) ? s.vertexMoved[v] : Vec3{0, 0, 0};
+  return hasLength(s.vertexMoved[v]) ? s.vertexMoved[v] : Vec3{0, 0, 0};
 }
 RUBBLE_HD inline Real longestDetour(const SolverData& s, int v) {
   return kDetourRadii * s.vertexParams[v].surfaceRadius + kDetourShare * length(foundWay(s, v));

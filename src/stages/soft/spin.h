@@ -106,7 +106,7 @@ struct FinishVertices {
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
     if (!isDynamicVertex(s, v)) return;
     const Vec3 moved = s.vertexMoved[v], velocity = s.step->inverseDt * moved + spinOf(s, v);
-    if (!isFinite(velocity)) {
+    if (!hasLength(moved) || !isFinite(velocity)) {
       atomicCount(&s.counters->quarantined, 1);
       s.vertexVelocity[v] = s.vertexOldVelocity[v] = {0, 0, 0};
       return;

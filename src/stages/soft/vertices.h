@@ -219,6 +219,9 @@ RUBBLE_HD inline void addPointContact(const SolverData& s, std::uint32_t code, B
     add(s.pointContact[pointIndex(code)]);
 }
 
+/// Is a motion finite, and its length too? A vertex with another one does not move.
+RUBBLE_HD inline bool hasLength(const Vec3& moved) { return isFinite(lengthSquared(moved)); }
+
 /// The inertial part of the local problem of a vertex.
 RUBBLE_HD inline Block3 startVertexBlock(const SolverData& s, int v) {
   const Real m = s.vertexParams[v].mass * s.step->inverseDt * s.step->inverseDt;
