@@ -51,7 +51,6 @@ void Processes::fail([[maybe_unused]] const std::string& why) {
 #if RUBBLE_HAS_MPI
   if (mpi_ && mpi_->count() > 1) mpi_->abort(why);
 #endif
-  sockets_.reset();
 }
 
 std::string outputOfProcess(const std::string& file) {

@@ -21,7 +21,7 @@ class Processes {
   /// Joins the processes that were started with this one, by mpirun or with the variables of SocketRanks. All
   /// but the first lose their standard output. Throws Error if that fails.
   void join();
-  /// Ends all other processes, and this one, if there are others.
+  /// Ends all other processes of MPI, and this one. Those that are connected by sockets learn of its end.
   void fail(const std::string& why);
   /// Is this the process that prints and writes files?
   static bool isFirst();

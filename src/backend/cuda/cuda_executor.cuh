@@ -116,14 +116,6 @@ class CudaExecutor : private ScanLauncher {
     launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kStage);
   }
 
-  /// For kernels of many registers that mostly have no element: a block a multiprocessor, where others would
-  /// queue only to end.
-  template <class Kernel> void runRarely(const Kernel& kernel, int Counters::*n) {
-    if (!begins()) return;
-    enterStage(Kernel::kStage);
-    launch(kernel, {0, counter(n)}, processors_ * kThreads / widthOf<Kernel>(), Kernel::kStage);
-  }
-
   /// Grid size for a range whose length is known on the device only. It assumes ranges that hold one element
   /// per few nodes. Kernels accept any grid size.
   int blocksForRange(int width) const {

@@ -103,6 +103,14 @@ class KernelLauncher {
       launchNext(runKernel<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
   }
 
+  /// For kernels of many registers that mostly have no element: a block a multiprocessor, where others would
+  /// queue only to end.
+  template <class Kernel> void runRarely(const Kernel& kernel, int Counters::*n) {
+    if (!begins()) return;
+    enterStage(Kernel::kStage);
+    launch(kernel, {0, counter(n)}, processors_ * kThreads / widthOf<Kernel>(), Kernel::kStage);
+  }
+
   /// Counters is an array of ints.
   static std::size_t indexOf(int Counters::*c) {
     static const Counters probe{};
