@@ -73,12 +73,6 @@ endif()
 if(rubble_distributed_sources)
   rubble_add_core(rubble_distributed f32 float ${rubble_distributed_sources})
 endif()
-# Tests wait for the step. The rest compiles in half of the time without optimisation where sanitizers watch it.
-foreach(target rubble rubble_lockstep rubble_distributed)
-  if(TARGET ${target})
-    target_compile_options(${target} PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Sanitize>>:-O0>)
-  endif()
-endforeach()
 if(rubble_cuda AND rubble_cuda_sources)
   rubble_add_core(rubble_core_cuda f32 float ${rubble_cuda_sources})
   # A host-only call in device code is a mere warning to nvcc, and the kernel silently becomes empty: so warnings are errors.
