@@ -254,8 +254,10 @@ def compare_flexcomps(rubble, folder):
                                                          for kind in ("box", "cylinder", "ellipsoid"))]
     for kind, dim, count in kinds:
         file = folder / f"{kind}_{dim}.xml"
-        file.write_text(f"""<mujoco><worldbody><body name="b" pos="0 0 1"><flexcomp name="f" type="{kind}" dim="{dim}"
-            count="{count}" spacing=".1 .2 .3" radius=".01" pos="1 2 3" euler="10 20 30" mass="2"><edge equality="true"/></flexcomp></body>
+        file.write_text(f"""<mujoco><worldbody><body name="b" pos="0 0 1">
+            <flexcomp name="f" type="{kind}" dim="{dim}"
+            count="{count}" spacing=".1 .2 .3" radius=".01" pos="1 2 3" euler="10 20 30" mass="2">
+            <edge equality="true"/></flexcomp></body>
             </worldbody></mujoco>""")
         model = mujoco.MjModel.from_xml_path(str(file))
         if model.flex_dim[0] != dim:  # versions before 4 have no shells
@@ -273,7 +275,7 @@ def compare_flexcomps(rubble, folder):
         elements = np.array(own["triangles" if dim == 2 else "tetrahedra"])
         if dim == 2:
             normals = [np.cross(*(data.flexvert_xpos[e[:, 1:]] - data.flexvert_xpos[e[:, :1]]).swapaxes(0, 1))
-                       for e in (elements[np.lexsort(np.sort(elements).T)], theirs[np.lexsort(np.sort(theirs).T)])]
+                       for e in (each[np.lexsort(np.sort(each).T)] for each in (elements, theirs))]
             check(f"normals of sheets: {file.stem}", *normals)
         if (kind, dim) != ("grid", 3):  # its cells are divided otherwise
             check(f"elements: {file.stem}", *(sorted(map(sorted, e.tolist())) for e in (elements, theirs)))

@@ -17,7 +17,8 @@ SCENE = ["run", "pile-1k", "-a", "levels=6", "-q"]
 
 
 def start(count, command):
-    """What torchrun does: so many processes, each of which knows its number. Returns the first status but 0."""
+    """What torchrun does: so many processes, each of which knows its number. Returns the first status
+    that is not 0."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]

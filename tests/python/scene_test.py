@@ -77,7 +77,8 @@ class Scenes(Case):
             file = os.path.join(folder, "arm.xml")
             with open(file, "w", encoding="utf-8") as out:
                 out.write("<mujoco><worldbody><body name='arm'><joint name='j' axis='0 1 0' damping='1'/>"
-                          "<geom size='0.1' pos='0 0 -1' mass='2'/><site name='s'/></body></worldbody><sensor>"
+                          "<geom size='0.1' pos='0 0 -1' mass='2'/><site name='s'/></body></worldbody>"
+                          "<sensor>"
                           "<force name='weight' site='s'/><jointpos joint='j'/></sensor></mujoco>")
             scene = rubble.load(file)
         self.assertEqual(scene.add_sensor("position", name="bob", body="arm", position=(0, 0, -1)), 2)
