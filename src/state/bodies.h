@@ -287,8 +287,7 @@ struct Counters {
   int contacts, recycled, newPairs, tested;
   int aggregates, slices, boundary;
   int clashing, clashes, rounds;  ///< nodes that need a new color, color conflicts left, and coloring rounds
-  int anyFast;                    ///< 1: a body needs CCD: it moves far, or is pressed into another
-  int fastBodies;                 ///< how many do
+  int fastBodies;                 ///< those that need CCD: they move far, or are pressed into another
   int swept;                      ///< pairs to be tested by CCD: all, or none
   int stopped;                    ///< bodies whose motion CCD cut short
   int asleep;                     ///< bodies asleep after this step

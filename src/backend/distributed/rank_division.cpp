@@ -183,7 +183,7 @@ void RankDivision::shareBreaks() {
 /// Continuous collision detection runs everywhere and reads the contacts of fast bodies.
 void RankDivision::shareFastPairs() {
   const SolverData& s = data();
-  if (s.counters->anyFast == 0) return;
+  if (s.counters->fastBodies == 0) return;
   RankLists manifolds(static_cast<std::size_t>(ranks())), rows(static_cast<std::size_t>(ranks()));
   for (int k = 0; k < s.counters->pairs; ++k) {
     const int owner = pairOwner_[std::size_t(k)], m = s.activePairOffset[k];

@@ -229,7 +229,7 @@ template <class F> struct ShareBreaks : PeerKernel {
 /// Continuous collision detection runs everywhere and reads the contacts of fast bodies. Near pairs.
 struct ShareFastPairs : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    if (s.counters->anyFast == 0 || !s.isActive[k] || !mayImpact(s, ordered(s.pair[k])) ||
+    if (s.counters->fastBodies == 0 || !s.isActive[k] || !mayImpact(s, ordered(s.pair[k])) ||
         NearPair{p}.ownerOf(s, k) != p.rank)
       return;
     const int m = s.activePairOffset[k];

@@ -149,7 +149,7 @@ template <class M> void shareBreaks(M& m) {
 }
 template <class M> void shareFastPairs(M& m) {
   m.eachOf(PeerList::Pairs, ShareFastPairs{{m.data()}});
-  m.barrierIf(&Counters::anyFast);
+  m.barrierIf(&Counters::fastBodies);
 }
 template <class M> void shareBounces(M& m) {
   m.each(ShareBounces{{m.data()}}, &Counters::bounceRows);

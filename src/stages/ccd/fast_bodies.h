@@ -46,7 +46,6 @@ struct FlagFast {
     if (!(way2 > Real(0)) || (max(std::sqrt(way2), ahead) + turn <= inner && s.fast[i] == 0)) return;
     s.fast[i] = 1;
     s.fastBody[atomicCount(&s.counters->fastBodies, 1)] = i;
-    atomicRaise(&s.counters->anyFast, 1);
     atomicRaise(&s.counters->swept, s.counters->pairs);
   }
 };

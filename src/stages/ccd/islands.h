@@ -10,14 +10,14 @@ namespace rubble::RUBBLE_CORE {
 struct StartCcdIslands {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.counters->anyFast > 0) s.root[i] = i;
+    if (s.counters->fastBodies > 0) s.root[i] = i;
   }
 };
 template <class F> struct JoinCcdIslands {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
-    if (s.counters->anyFast == 0 || !spec.isRigid || !active<F>(s, i)) return;
+    if (s.counters->fastBodies == 0 || !spec.isRigid || !active<F>(s, i)) return;
     if (!isDynamic(s, spec.a) || !isDynamic(s, spec.b)) return;
     unite(s.root, spec.a, spec.b);
     s.ccdPair[spec.a] = s.ccdPair[spec.b] = kStopsWithIsland;
@@ -30,14 +30,14 @@ inline constexpr int kOwnImpact = kCcdRounds;
 struct RaiseIslandShares {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.counters->anyFast == 0 || s.ccdPair[i] != kStopsWithIsland || s.ccdShareBits[i] == 0) return;
+    if (s.counters->fastBodies == 0 || s.ccdPair[i] != kStopsWithIsland || s.ccdShareBits[i] == 0) return;
     atomicRaise(&s.ccdSeenBits[findRoot(s.root, i)], s.ccdShareBits[i]);
   }
 };
 struct StopCcdIslands {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.counters->anyFast == 0 || s.ccdPair[i] != kStopsWithIsland) return;
+    if (s.counters->fastBodies == 0 || s.ccdPair[i] != kStopsWithIsland) return;
     const int root = findRoot(s.root, i), bits = s.ccdSeenBits[root];
     if (bits == 0) return;
     if (root == i) atomicCount(&s.counters->stopped, 1);

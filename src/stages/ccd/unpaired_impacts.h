@@ -152,7 +152,7 @@ struct FindUnpairedImpacts {
 struct StopUnpairedBodies {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.counters->anyFast == 0 || s.ccdShareBits[i] == 0 || s.ccdPair[i] != 0) return;
+    if (s.counters->fastBodies == 0 || s.ccdShareBits[i] == 0 || s.ccdPair[i] != 0) return;
     atomicCount(&s.counters->stopped, 1);
     const Real done = Real(1) - fromFloatBits(s.ccdShareBits[i]);
     s.ccdMotion[i] = {done * s.dx[i].dp, 0, done * s.dx[i].dw, 0};
