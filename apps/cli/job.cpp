@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,6 +13,7 @@
 #include <rubble/info.h>
 
 #include "apps/cli/file_job.h"
+#include "apps/cli/processes.h"
 #include "render/framing.h"
 
 namespace rubble::cli {
@@ -155,8 +157,16 @@ void addRankOptions(CLI::App& app, JobOptions& options) {
          "Ranks of the backend 'distributed', as threads; 0: the processes that were started together")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--gpus", options.gpus, "GPUs that step the world together, in place of a backend")
+  app.add_option("--gpus", options.gpus,
+                 "GPUs that step the world together, in place of a backend; of several processes each has one")
       ->check(aboveZero());
+  app.add_option("--exchange", options.exchange,
+                 "What ranks exchange: messages, stores into one another's memory, or letters that say what to "
+                 "store (default: messages; between GPUs of one process stores, of several letters)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, RankExchange>{
+          {"messages", RankExchange::Messages},
+          {"stores", RankExchange::Stores},
+          {"letters", RankExchange::Letters}}));
 }
 
 std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare) {
@@ -228,7 +238,10 @@ PreparedJob prepareJob(const JobOptions& options) {
   prepared.world.backend = backend;
   prepared.world.threads = options.threads;
   prepared.world.ranks.count = options.ranks;
-  for (int device = 0; device < options.gpus; ++device) prepared.world.ranks.devices.push_back(device);
+  prepared.world.ranks.exchange = options.exchange;
+  const int first = std::max(0, Processes::localRank());
+  for (int device = 0; device < options.gpus; ++device)
+    prepared.world.ranks.devices.push_back(first + device);
   prepared.world.params = paramsOf(options, prepared.job);
   prepared.steps = options.steps ? *options.steps : stepsOf(prepared.job, prepared.world.params.dt);
   return prepared;

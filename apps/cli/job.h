@@ -8,6 +8,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <rubble/ranks.h>
+
 #include "io/scene_json.h"
 #include "scenes/registry.h"
 
@@ -24,6 +26,7 @@ struct JobOptions {
   std::string backend = "cpu";  ///< "": bestBackend()
   std::string preset = "engine";
   int threads = 0, ranks = 0, gpus = 0;
+  RankExchange exchange = RankExchange::Messages;
 };
 
 /// Adds the options to a subcommand. `scene` is left to the caller, which knows whether it takes one or

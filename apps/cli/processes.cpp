@@ -1,6 +1,7 @@
 #include "apps/cli/processes.h"
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <random>
 
@@ -20,7 +21,7 @@ namespace rubble::cli {
 
 namespace {
 
-int processRank = 0;
+int processRank = 0, processCount = 1;
 /// Where processes other than the first write; empty: not made yet.
 std::filesystem::path aside;
 
@@ -34,16 +35,23 @@ Processes::~Processes() {
 
 bool Processes::isFirst() { return processRank == 0; }
 
+int Processes::localRank() {
+  if (processCount == 1) return -1;
+  for (const char* name : {"LOCAL_RANK", "OMPI_COMM_WORLD_LOCAL_RANK", "MPI_LOCALRANKID", "SLURM_LOCALID"})
+    if (const char* const value = std::getenv(name)) return std::atoi(value);
+  return processRank;
+}
+
 void Processes::join() {
 #if RUBBLE_HAS_MPI
   if (MpiRanks::launched()) {
     mpi_ = std::make_unique<MpiRanks>();
-    processRank = mpi_->rank();
+    processRank = mpi_->rank(), processCount = mpi_->count();
   }
 #endif
   if (!mpi_ && SocketRanks::launched()) {
     sockets_ = std::make_unique<SocketRanks>();
-    processRank = sockets_->rank();
+    processRank = sockets_->rank(), processCount = sockets_->count();
   }
   if (processRank > 0 && !std::freopen(platform::kNullFile, "w", stdout)) processRank = 0;
 }

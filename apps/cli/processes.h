@@ -25,6 +25,8 @@ class Processes {
   void fail(const std::string& why);
   /// Is this the process that prints and writes files?
   static bool isFirst();
+  /// Number of this process on its host, as what started it says; -1: it is the only one.
+  static int localRank();
 
  private:
   std::unique_ptr<MpiRanks> mpi_;

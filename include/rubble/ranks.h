@@ -9,8 +9,9 @@ namespace rubble {
 /// How ranks exchange poses, sums and rows.
 enum class RankExchange {
   Messages,
-  Stores,        ///< into one another's memory; ranks are threads of this process
-  StoresInTurns  ///< the same, one rank at a time, in an order that changes: finds reads that come too late
+  Stores,         ///< into one another's memory; ranks are threads of this process
+  StoresInTurns,  ///< the same, one rank at a time, in an order that changes: finds reads that come too late
+  Letters         ///< the same stores, sent as letters: ranks need not reach one another's memory
 };
 
 /// How a world is divided among ranks. Results do not depend on it.
@@ -23,8 +24,13 @@ struct RankOptions {
   double maxImbalance = .15;
   RankExchange exchange = RankExchange::Messages;
   /// GPUs of this process that step the world together, one rank each; one that is named twice has two ranks.
-  /// `count` and `exchange` do not matter then. Empty: ranks are on the CPU.
+  /// `count` does not matter then, and they store into one another's memory unless `exchange` is Letters. Of
+  /// several processes each names one GPU, counted round those that it sees, and letters go between them. Empty:
+  /// ranks are on the CPU.
   std::vector<int> devices = {};
+  /// Letters between GPUs go through NCCL, if its library is found and each rank has a GPU of its own. Else
+  /// they go through the host.
+  bool nccl = true;
   /// Longest wait for another rank; then the step throws Error [s].
   double timeout = 60;
 };

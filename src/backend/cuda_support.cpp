@@ -12,6 +12,8 @@ std::string deviceStatus();
 bool deviceReady();
 std::unique_ptr<Engine> makeCudaEngine(bool timings);
 std::unique_ptr<Engine> makeCudaTeam(const RankOptions& ranks, bool timings);
+std::unique_ptr<Engine> makeCudaRank(std::unique_ptr<Transport> transport, const RankOptions& ranks,
+                                     bool timings);
 }  // namespace f32
 
 std::string cudaStatus() { return f32::deviceStatus(); }
@@ -25,6 +27,10 @@ std::unique_ptr<Engine> makeCudaEngine(bool timings) {
 std::unique_ptr<Engine> makeCudaTeam(const RankOptions& ranks, bool timings) {
   return f32::makeCudaTeam(ranks, timings);
 }
+std::unique_ptr<Engine> makeCudaRank(std::unique_ptr<Transport> transport, const RankOptions& ranks,
+                                     bool timings) {
+  return f32::makeCudaRank(std::move(transport), ranks, timings);
+}
 
 #else
 
@@ -32,6 +38,7 @@ std::string cudaStatus() { return "off: built without CUDA"; }
 bool cudaReady() { return false; }
 std::unique_ptr<Engine> makeCudaEngine(bool) { return nullptr; }
 std::unique_ptr<Engine> makeCudaTeam(const RankOptions&, bool) { return nullptr; }
+std::unique_ptr<Engine> makeCudaRank(std::unique_ptr<Transport>, const RankOptions&, bool) { return nullptr; }
 
 #endif
 

@@ -131,6 +131,10 @@ std::ptrdiff_t Socket::send(std::span<const std::byte> bytes) const {
 std::ptrdiff_t Socket::receive(std::span<std::byte> bytes) const {
   return moved(::recv(handle_, bytes.data(), bytes.size(), MSG_DONTWAIT));
 }
+bool Socket::isGone() const {
+  std::byte next;
+  return moved(::recv(handle_, &next, 1, MSG_DONTWAIT | MSG_PEEK)) < 0;
+}
 void Socket::finish() const { ::shutdown(handle_, SHUT_WR); }
 
 void awaitSockets(std::span<const SocketWait> waits, double seconds) {
@@ -154,6 +158,7 @@ int Socket::port() const { refuse(); }
 std::string Socket::peer() const { refuse(); }
 std::ptrdiff_t Socket::send(std::span<const std::byte>) const { refuse(); }
 std::ptrdiff_t Socket::receive(std::span<std::byte>) const { refuse(); }
+bool Socket::isGone() const { refuse(); }
 void Socket::finish() const {}
 void awaitSockets(std::span<const SocketWait>, double) { refuse(); }
 

@@ -36,6 +36,8 @@ class Socket {
   /// Moves as many bytes as go without a wait, and returns their number; -1: the other end is gone.
   std::ptrdiff_t send(std::span<const std::byte> bytes) const;
   std::ptrdiff_t receive(std::span<std::byte> bytes) const;
+  /// Is the other end gone, and all that it has sent received?
+  bool isGone() const;
   /// Sends no more. The other end then reads to the end of what was sent.
   void finish() const;
 

@@ -21,8 +21,9 @@ int gpus() {
   return cudaGetDeviceCount(&count) == cudaSuccess ? count : 0;
 }
 
-WorldOptions onRanks(int count, int cutInterval = 0) {
+WorldOptions onRanks(int count, int cutInterval = 0, RankExchange exchange = RankExchange::Stores) {
   WorldOptions options = optionsFor("distributed");
+  options.ranks.exchange = exchange;
   options.ranks.cutInterval = cutInterval, options.ranks.timeout = 20;
   for (int rank = 0; rank < count; ++rank) options.ranks.devices.push_back(rank % gpus());
   return options;
@@ -69,6 +70,38 @@ INSTANTIATE_TEST_SUITE_P(Scenes, CudaPeersScene,
                          testing::Values("pile-1k", "ring-5k", "gables", "chains", "ragdolls", "gear-train",
                                          "break-row", "bounce-ladder", "bullet-plate", "rolling",
                                          "every-shape", "sleepers", "soft-blocks", "mixed-trampoline"),
+                         [](const auto& info) {
+                           std::string name = info.param;
+                           std::erase_if(name, [](unsigned char c) { return !std::isalnum(c); });
+                           return name;
+                         });
+
+/// Ranks that do not reach one another's memory, on one GPU or several, through the host.
+class CudaLettersScene : public CudaPeers, public testing::WithParamInterface<const char*> {};
+
+TEST_P(CudaLettersScene, HasTheBitsOfOneGpu) {
+  const scenes::Spec& spec = scenes::find(GetParam());
+  constexpr int kSteps = 40;
+  std::uint64_t one = 0;
+  for (const int count : {1, 3}) {
+    scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, spec.testArguments));
+    job.probes.clear();
+    WorldOptions options = onRanks(count, 9, RankExchange::Letters);
+    options.ranks.nccl = false;
+    options.params.iterations = job.iterations, options.params.substeps = job.substeps;
+    options.params.dt = job.dt;
+    scenes::Runner runner(std::move(job), options);
+    for (int i = 0; i < kSteps; ++i) runner.step();
+    if (count == 1)
+      one = runner.world().hash();
+    else
+      EXPECT_EQ(runner.world().hash(), one);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, CudaLettersScene,
+                         testing::Values("pile-1k", "ring-5k", "chains", "ragdolls", "break-row", "bounce-ladder",
+                                         "bullet-plate", "rolling", "soft-blocks"),
                          [](const auto& info) {
                            std::string name = info.param;
                            std::erase_if(name, [](unsigned char c) { return !std::isalnum(c); });

@@ -128,7 +128,8 @@ TEST_P(ScenesOnRanks, HaveTheBitsOfOne) {
   const Maker make = maker<std::string>(sample.scene);
   const WorldOptions options = optionsOf(make());
   const Course one(make, options, sample.steps);
-  for (const RankExchange exchange : {RankExchange::Messages, RankExchange::StoresInTurns})
+  for (const RankExchange exchange :
+       {RankExchange::Messages, RankExchange::StoresInTurns, RankExchange::Letters})
     EXPECT_EQ(one.differenceOf(make, onRanks(options, sample.ranks, sample.cutInterval, exchange)), "")
         << static_cast<int>(exchange);
 }

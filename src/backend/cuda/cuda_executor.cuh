@@ -301,7 +301,8 @@ class CudaExecutor : private ScanLauncher {
   void forEachColor(const SolveBody<Real>&, const SolveVertex&) {
     announce(SolveBody<Real>::kStage, kernelName<SolveBody<Real>>());
     if (peers_) peers_->beginColors(options_.colors), keepOwnHighDegree();
-    if (!begins() || view().bodies + view().vertices == 0) return;
+    // with peers each color is an operation, and so is what follows it
+    if ((!peers_ && !begins()) || view().bodies + view().vertices == 0) return;
     enterStage(SolveBody<Real>::kStage);
     if constexpr (kStrict) {
       for (int c = 0; c < options_.colors; ++c) {
@@ -322,9 +323,10 @@ class CudaExecutor : private ScanLauncher {
     // one starts after everything else has ended.
     afterKernel_ = false;
     for (int c = 0; c < options_.colors; ++c) {
-      if (bodies)
+      const bool begun = !peers_ || begins();
+      if (begun && bodies)
         solveColorsFrom(c, kHighDegreeBlocks + vertexBlocks + bodyBlocks, {kHighDegreeBlocks, vertexBlocks});
-      else if (view().vertices > 0)
+      else if (begun && view().vertices > 0)
         launchNext(
             solveVertexColor,
             {std::min(blocksFor(view().vertices, kVertexLanes), kVertexBlocks * processors_), kThreads},

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include "backend/cuda/cuda_letters.h"
 #include "backend/cuda/kernel_launcher.cuh"
 #include "backend/cuda/peer_signals.cuh"
 #include "backend/distributed/rank_lists.h"
@@ -94,7 +95,7 @@ struct CloseOtherTrees : PeerKernel {
 };
 
 /// ShareColor for the bodies of a color among those that others see.
-struct ShareSeenOfColor : PeerKernel {
+struct ShareSeenOfColor : PeerPost {
   int color;
   __device__ void operator()(const SolverData& s, int body) const {
     if (isSwept(s, body) && s.color[body] == color) sharePose(s, p, body);
@@ -127,11 +128,17 @@ __global__ void requireColors(Control* control, const int* colors, Room room) {
 }  // namespace
 
 struct CudaPeers::Impl {
-  Impl(Transport& transport) : courier(transport) {}
+  Impl(Transport& transport, double longest) : courier(transport), timeout(longest) {}
 
   RankCourier courier;
+  double timeout;                        ///< [s]
+  std::unique_ptr<CudaLetters> letters;  ///< null: GPUs reach one another's memory
   KeptBuffer cut, owner, ownerBefore, moves, movesBefore, seen, seenBy, sliceOwner, sees, mixed, extraRow,
-      extraJoint[JointTypes::kSize], sums, lists[kPeerLists], listed, at, signals;
+      extraJoint[JointTypes::kSize], rowAskers, jointAskers[JointTypes::kSize], sums, lists[kPeerLists], listed,
+      at, signals;
+
+  /// Flags that all GPUs see, and access to one another's memory.
+  void connect(int rank, int ranks);
   PeerSignals signal{};
   PeerRank* places = nullptr;
   struct SumsOfStep {
@@ -144,7 +151,7 @@ struct CudaPeers::Impl {
 
 CudaPeers::CudaPeers(DeviceTables& tables, cudaStream_t stream, Transport& transport,
                      const RankOptions& options)
-    : tables_(tables), stream_(stream), impl_(std::make_unique<Impl>(transport)) {
+    : tables_(tables), stream_(stream), impl_(std::make_unique<Impl>(transport, options.timeout)) {
   if (kStrict) throw Error("backend", "a build without RUBBLE_STRICT for several GPUs", "cuda");
   const int ranks = transport.ranks();
   if (ranks > kMostPeers)
@@ -157,21 +164,29 @@ CudaPeers::CudaPeers(DeviceTables& tables, cudaStream_t stream, Transport& trans
   PeerCut cut{};
   cut.interval = options.cutInterval, cut.maxImbalance = options.maxImbalance, cut.holdsAll = 1;
   checkCuda(cudaMemcpy(data_.cut, &cut, sizeof cut, cudaMemcpyHostToDevice), "cudaMemcpy");
+  if (options.exchange == RankExchange::Letters) {
+    m.letters = std::make_unique<CudaLetters>(transport, stream, options.nccl);
+    data_.box = m.letters->boxes();
+  } else {
+    m.connect(data_.rank, ranks);
+  }
+}
+
+void CudaPeers::Impl::connect(int rank, int ranks) {
   unsigned* flags = nullptr;
-  m.signals.reserve(kMostPeers + 2, flags);
-  m.signal.rank = data_.rank, m.signal.ranks = ranks;
-  m.signal.flag = flags, m.signal.epoch = flags + kMostPeers, m.signal.arrived = flags + kMostPeers + 1;
-  m.signal.limit = static_cast<unsigned long long>(options.timeout * 1e9);
-  const std::vector<unsigned*> of = m.courier.gatherValue(flags);
-  std::ranges::copy(of, m.signal.of);
-  const std::vector<int> devices = m.courier.gatherValue([] {
+  signals.reserve(kMostPeers + 2, flags);
+  signal.rank = rank, signal.ranks = ranks;
+  signal.flag = flags, signal.epoch = flags + kMostPeers, signal.arrived = flags + kMostPeers + 1;
+  signal.limit = static_cast<unsigned long long>(timeout * 1e9);
+  std::ranges::copy(courier.gatherValue(flags), signal.of);
+  const std::vector<int> devices = courier.gatherValue([] {
     int device = 0;
     checkCuda(cudaGetDevice(&device), "cudaGetDevice");
     return device;
   }());
-  m.signal.shared = std::set<int>(devices.begin(), devices.end()).size() < devices.size();
+  signal.shared = std::set<int>(devices.begin(), devices.end()).size() < devices.size();
   for (int r = 0; r < ranks; ++r) {
-    if (r == data_.rank || devices[std::size_t(r)] == devices[std::size_t(data_.rank)]) continue;
+    if (r == rank || devices[std::size_t(r)] == devices[std::size_t(rank)]) continue;
     const cudaError_t status = cudaDeviceEnablePeerAccess(devices[std::size_t(r)], 0);
     if (status == cudaErrorPeerAccessAlreadyEnabled)
       cudaGetLastError();
@@ -220,8 +235,12 @@ void CudaPeers::reserve() {
   m.sees.reserve(capacity(Per::Aggregate), data_.sees);
   m.mixed.reserve(capacity(Per::Aggregate), data_.mixed);
   m.extraRow.reserve(capacity(Per::Manifold), data_.extraRow);
-  for (int type = 0; type < JointTypes::kSize; ++type)
+  const std::size_t ranks = static_cast<std::size_t>(data_.ranks);
+  m.rowAskers.reserve(capacity(Per::Manifold) * ranks, data_.rowAskers);
+  for (int type = 0; type < JointTypes::kSize; ++type) {
     m.extraJoint[type].reserve(capacity(perJoint(type)), data_.extraJoint[type]);
+    m.jointAskers[type].reserve(capacity(perJoint(type)) * ranks, data_.jointAskers[type]);
+  }
   for (int k = 0; k < kPeerLists; ++k)
     m.lists[k].reserve(static_cast<std::size_t>(mostOf(static_cast<PeerList>(k))), data_.list[k]);
 }
@@ -231,11 +250,12 @@ std::size_t CudaPeers::bytes() const {
   std::size_t sum = 0;
   for (const KeptBuffer* const each :
        {&m.cut, &m.owner, &m.ownerBefore, &m.moves, &m.movesBefore, &m.seen, &m.seenBy, &m.sliceOwner,
-        &m.sees, &m.mixed, &m.extraRow, &m.sums, &m.listed, &m.at, &m.signals})
+        &m.sees, &m.mixed, &m.extraRow, &m.rowAskers, &m.sums, &m.listed, &m.at, &m.signals})
     sum += each->size();
   for (const KeptBuffer& each : m.extraJoint) sum += each.size();
+  for (const KeptBuffer& each : m.jointAskers) sum += each.size();
   for (const KeptBuffer& each : m.lists) sum += each.size();
-  return sum;
+  return sum + (m.letters ? m.letters->bytes() : 0);
 }
 
 void CudaPeers::meet(int place) {
@@ -263,10 +283,22 @@ void CudaPeers::meet(int place) {
 
 void CudaPeers::awaitAll() { impl_->courier.gatherValue(0); }
 
-void CudaPeers::requireAll(int lacking, int needed) const {
+const char* CudaPeers::makeRoom(int lacking, int needed) {
   if (lacking == kLostPeer)
     throw RankFailure("GPU " + std::to_string(needed) + " does not answer GPU " + std::to_string(data_.rank));
+  const int kind = CudaLetters::kindOf(lacking);
+  if (kind < 0) return nullptr;
+  impl_->letters->reserve(kind, needed);
+  return "letters";
 }
+void CudaPeers::await() {
+  if (impl_->letters)
+    impl_->letters->await(impl_->timeout);
+  else
+    checkCuda(cudaStreamSynchronize(stream_), "step on the device");
+}
+bool CudaPeers::captured() const { return !impl_->letters || impl_->letters->captured(); }
+int CudaPeers::version() const { return impl_->letters ? impl_->letters->version() : 0; }
 
 void CudaPeers::restart() {
   holdsAll_ = true, isLoaded_ = false;
@@ -290,30 +322,41 @@ std::vector<RankReport> CudaPeers::reports() const {
 
 // Operations of a step.
 
-void CudaPeers::begin() { planned_ = activeListed_ = summed_ = false; }
+void CudaPeers::begin() {
+  planned_ = activeListed_ = summed_ = false;
+  firstPost_ = -1;
+}
+
+/// Counts an operation, and notes the first one that posts letters.
+template <class Kernel> bool CudaPeers::beginsKernel() {
+  const bool begins = launcher_->begins();
+  if constexpr (requires { Kernel::kPosts; })
+    if (firstPost_ < 0) firstPost_ = launcher_->operation();
+  return begins;
+}
 
 template <class Kernel> void CudaPeers::each(const Kernel& kernel, int n) {
   KernelLauncher& launcher = *launcher_;
-  if (!launcher.begins() || n <= 0) return;
+  if (!beginsKernel<Kernel>() || n <= 0) return;
   launcher.enterStage(Kernel::kStage);
   launcher.launch(kernel, {n, nullptr}, n, Kernel::kStage);
 }
 template <class Kernel> void CudaPeers::each(const Kernel& kernel, int Counters::*n) {
   KernelLauncher& launcher = *launcher_;
-  if (!launcher.begins()) return;
+  if (!beginsKernel<Kernel>()) return;
   launcher.enterStage(Kernel::kStage);
   launcher.launch(kernel, {0, launcher.counter(n)}, launcher.capacityOf(n), Kernel::kStage);
 }
 template <class Kernel> void CudaPeers::eachOld(const Kernel& kernel) {
   KernelLauncher& launcher = *launcher_;
-  if (!launcher.begins()) return;
+  if (!beginsKernel<Kernel>()) return;
   launcher.enterStage(Kernel::kStage);
   launcher.launch(kernel, {0, tables().oldPairOffset + tables().bodies}, tables_.capacity(Per::Pair),
                   Kernel::kStage);
 }
 template <class Kernel> void CudaPeers::eachOf(PeerList list, const Kernel& kernel) {
   KernelLauncher& launcher = *launcher_;
-  if (!launcher.begins()) return;
+  if (!beginsKernel<Kernel>()) return;
   launcher.enterStage(Kernel::kStage);
   launcher.launch(kernel, {0, countOf(list), elements(list)}, mostOf(list), Kernel::kStage);
 }
@@ -334,8 +377,10 @@ void CudaPeers::launchSelect(PeerList list, const Test& test, const Count& n, in
 }
 void CudaPeers::barrier() { meetIf(nullptr); }
 void CudaPeers::barrierIf(int Counters::*counter) { meetIf(launcher_->counter(counter)); }
+/// `condition`: letters go in any case, for graphs hold messages of fixed length.
 void CudaPeers::meetIf(const int* condition) {
   KernelLauncher& launcher = *launcher_;
+  if (impl_->letters) return exchangeLetters();
   if (!launcher.begins()) return;
   launcher.enterStage("ranks");
   launchBarrier([&] {
@@ -354,8 +399,25 @@ template <class Launch> void CudaPeers::launchBarrier(Launch&& launch) {
   if (alone) end();
 }
 
+/// A message of letters is as long as the longest of its kind so far.
+void CudaPeers::enterExchange(Share what, int which) {
+  constexpr int kMostWhich = 32;
+  static_assert((static_cast<int>(Share::Counts) + 1) * kMostWhich <= CudaLetters::kKinds);
+  exchange_ = static_cast<int>(what) * kMostWhich + std::min(which, kMostWhich - 1);
+}
+void CudaPeers::exchangeLetters() {
+  KernelLauncher& launcher = *launcher_;
+  const bool begins = launcher.begins();
+  const int first = std::exchange(firstPost_, -1);
+  if (!begins) return;
+  launcher.enterStage("ranks");
+  impl_->letters->exchange(exchange_, first < 0 ? launcher.operation() : first, launcher.control_);
+  launcher.afterKernel_ = false;
+}
+
 void CudaPeers::plan() {
   if (std::exchange(planned_, true)) return;
+  enterExchange(Share::None, 0);
   peers::plan(*this);
   select(PeerList::SharedBodies, SharedBody{data_}, tables().bodies);
   if (tables().plan.coarseCorrection) select(PeerList::SeenBodies, SeenBody{data_}, tables().bodies);
@@ -367,6 +429,7 @@ void CudaPeers::closeOtherTrees() { each(CloseOtherTrees{{data_}}, tables().tree
 
 void CudaPeers::beginColors(int limit) {
   plan();
+  enterExchange(Share::NodePoses, 0);
   peers::beginColors(*this);
   KernelLauncher& launcher = *launcher_;
   if (!launcher.begins()) return;
@@ -376,15 +439,22 @@ void CudaPeers::beginColors(int limit) {
 }
 void CudaPeers::shareColor(int color) {
   KernelLauncher& launcher = *launcher_;
+  const ShareSeenOfColor push{{{data_}}, color};
+  if (impl_->letters) {
+    enterExchange(Share::ColorPoses, color);
+    eachOf(PeerList::SharedBodies, push);
+    return exchangeLetters();
+  }
+  if (!launcher.begins()) return;
   const Count shared{0, countOf(PeerList::SharedBodies), elements(PeerList::SharedBodies)};
   launchBarrier([&] {
     launcher.launchNext(storeColor, {launcher.blocksFor(tables().bodies / kBodiesPerStore), kThreads},
-                        "ranks", tables(), ShareSeenOfColor{{data_}, color}, shared, impl_->signal,
-                        launcher.control_);
+                        "ranks", tables(), push, shared, impl_->signal, launcher.control_);
   });
 }
 
 void CudaPeers::share(Share what, int which) {
+  enterExchange(what, which);
   if (what == Share::NodePoses) {  // all that see a body have its pose
     if (!std::exchange(summed_, tables().plan.coarseCorrection)) peers::beginSums(*this);
     return;
@@ -404,6 +474,7 @@ void CudaPeers::share(Share what, int which) {
 
 void CudaPeers::gatherState() {
   const bool loaded = std::exchange(isLoaded_, false);  // its own kernels are not those of a step
+  enterExchange(Share::None, 1);
   peers::gatherState(*this);
   isLoaded_ = loaded;
   const int one = 1;

@@ -1,6 +1,6 @@
 #pragma once
-/// The part of one GPU in a world that several GPUs of a process step together (backend/peers/). Each has an
-/// engine and a host thread. This header is plain host code; device code is behind it.
+/// The part of one GPU in a world that several GPUs step together (backend/peers/). Each has an engine, and a
+/// host thread or a process. This header is plain host code; device code is behind it.
 #include <memory>
 #include <vector>
 
@@ -34,8 +34,15 @@ class CudaPeers {
   void awaitAll();
   /// Every kernel of a step has run.
   void hasStepped() { isLoaded_ = true; }
-  /// Throws RankFailure if a step stopped because a device did not answer.
-  void requireAll(int lacking, int needed) const;
+  /// For a step that has stopped for something that is not a table: makes room for letters. Throws RankFailure
+  /// if a device did not answer. Returns what there is more room for, or null: it is a table.
+  const char* makeRoom(int lacking, int needed);
+  /// Waits for the end of the work under way.
+  void await();
+  /// May steps be captured in graphs?
+  bool captured() const;
+  /// Changes whenever a captured step would not be the same any more.
+  int version() const;
   /// The tables were replaced or sorted. All ranks have the whole state.
   void restart();
   std::vector<RankReport> reports() const;
@@ -83,6 +90,9 @@ class CudaPeers {
   template <class Test> void launchSelect(PeerList list, const Test& test, const Count& n, int most);
   void meetIf(const int* condition);
   template <class Launch> void launchBarrier(Launch&& launch);
+  template <class Kernel> bool beginsKernel();
+  void enterExchange(Share what, int which);
+  void exchangeLetters();
   int mostOf(PeerList list) const;
 
   DeviceTables& tables_;
@@ -92,6 +102,8 @@ class CudaPeers {
   std::unique_ptr<Impl> impl_;
   bool planned_ = false, activeListed_ = false, summed_ = false, holdsAll_ = true;
   bool isLoaded_ = false;  ///< kernels of a step are on the device
+  int exchange_ = 0;       ///< kind of the present exchange
+  int firstPost_ = -1;     ///< operation that first posted letters since the last exchange; -1: none
 };
 
 }  // namespace rubble::RUBBLE_CORE

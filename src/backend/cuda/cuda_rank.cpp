@@ -1,4 +1,4 @@
-// GPUs of one process that step one world together: each has an engine and a host thread.
+// GPUs that step one world together: each has an engine, and a host thread or a process.
 #include "backend/cuda/cuda_engine.h"
 #include "backend/cuda_team.h"
 #include "backend/distributed/rank_team.h"
@@ -11,6 +11,24 @@ int present() {
   int device = 0;
   checkCuda(cudaGetDevice(&device), "cudaGetDevice");
   return device;
+}
+
+int deviceCount() {
+  int count = 0;
+  checkCuda(cudaGetDeviceCount(&count), "cudaGetDeviceCount");
+  return count;
+}
+
+/// Ranks store into one another's memory.
+void requireReach(const std::vector<int>& devices) {
+  for (const int a : devices)
+    for (const int b : devices) {
+      int reaches = 1;
+      if (a != b) checkCuda(cudaDeviceCanAccessPeer(&reaches, a, b), "cudaDeviceCanAccessPeer");
+      if (!reaches)
+        throw Error("ranks.devices", "GPUs that reach one another's memory",
+                    std::to_string(a) + " and " + std::to_string(b));
+    }
 }
 
 class CudaRank final : public DividedEngine {
@@ -44,25 +62,28 @@ class CudaRank final : public DividedEngine {
 }  // namespace
 
 std::unique_ptr<Engine> makeCudaTeam(const RankOptions& ranks, bool timings) {
-  int devices = 0;
-  checkCuda(cudaGetDeviceCount(&devices), "cudaGetDeviceCount");
+  const int devices = deviceCount();
   for (const int device : ranks.devices)
     if (device < 0 || device >= devices)
       throw Error("ranks.devices", "GPUs from 0 to " + std::to_string(devices - 1), std::to_string(device));
-  for (const int a : ranks.devices)
-    for (const int b : ranks.devices) {
-      int reaches = 1;
-      if (a != b) checkCuda(cudaDeviceCanAccessPeer(&reaches, a, b), "cudaDeviceCanAccessPeer");
-      if (!reaches)
-        throw Error("ranks.devices", "GPUs that reach one another's memory",
-                    std::to_string(a) + " and " + std::to_string(b));
-    }
+  if (ranks.exchange != RankExchange::Letters) requireReach(ranks.devices);
   RankOptions options = ranks;
   options.count = static_cast<int>(ranks.devices.size());
   return std::make_unique<RankTeam>(options, [&](Transport& transport) -> std::unique_ptr<DividedEngine> {
     checkCuda(cudaSetDevice(ranks.devices[static_cast<std::size_t>(transport.rank())]), "cudaSetDevice");
     return std::make_unique<CudaRank>(transport, options, timings && transport.rank() == 0);
   });
+}
+
+std::unique_ptr<Engine> makeCudaRank(std::unique_ptr<Transport> transport, const RankOptions& ranks,
+                                     bool timings) {
+  if (ranks.devices.front() < 0)
+    throw Error("ranks.devices", "a GPU from 0 on", std::to_string(ranks.devices.front()));
+  checkCuda(cudaSetDevice(ranks.devices.front() % deviceCount()), "cudaSetDevice");
+  RankOptions options = ranks;
+  options.exchange = RankExchange::Letters;
+  auto rank = std::make_unique<CudaRank>(*transport, options, timings && transport->rank() == 0);
+  return std::make_unique<RankEngine>(std::move(transport), std::move(rank));
 }
 
 }  // namespace rubble::RUBBLE_CORE

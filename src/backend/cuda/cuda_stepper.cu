@@ -38,8 +38,9 @@ class Bound {
 struct Configuration {
   SolverData view;
   int colors = 0;
+  int peers = 0;  ///< CudaPeers::version()
   bool operator==(const Configuration& o) const {
-    return colors == o.colors && std::memcmp(&view, &o.view, sizeof view) == 0;
+    return colors == o.colors && peers == o.peers && std::memcmp(&view, &o.view, sizeof view) == 0;
   }
 };
 
@@ -138,14 +139,22 @@ struct CudaStepper::Impl {
                                 stream.get()),
                 "cudaMemcpyAsync");
     }
-    stream.wait();
+    wait();
+  }
+
+  /// Waits for the device, and for other ranks on their way.
+  void wait() {
+    if (peers)
+      peers->await();
+    else
+      stream.wait();
   }
 
   /// Runs the whole step, as a graph if its configuration occurred before. Pointers alternate between two
   /// states, and each has its own graph.
   const Timeline& runWhole() {
     StepGraph& graph = graphs[parity];
-    const Configuration now{tables.view(), colors.limit()};
+    const Configuration now{tables.view(), colors.limit(), peers ? peers->version() : 0};
     const bool holds = !observer && graph.holds(now);
     // room first: when devices have met, none may wait for memory
     if (!holds) executor.reserveScratch();
@@ -154,9 +163,9 @@ struct CudaStepper::Impl {
       enqueueObserved(0);
       return direct;
     }
-    if (!holds && !graph.seen(now)) {
+    if (!holds && (!graph.seen(now) || (peers && !peers->captured()))) {
       enqueue(0, &direct, false);
-      stream.wait();
+      wait();
       return direct;
     }
     if (!holds) {
@@ -164,7 +173,7 @@ struct CudaStepper::Impl {
       if (peers) awaitGraphs(graph);
     }
     graph.launch(stream.get());
-    stream.wait();
+    wait();
     return graph.timeline();
   }
 
@@ -184,8 +193,12 @@ struct CudaStepper::Impl {
   /// Takes over the sizes of `host`.
   void adopt(const SolverData& host) { tables.view() = onDevice(host, tables.view()); }
 
-  void makeRoom(const Control& control) {
-    if (peers) peers->requireAll(control.lacking, control.needed), peers->awaitAll();
+  /// Returns what there is more room for.
+  const char* makeRoom(const Control& control) {
+    if (peers) {
+      if (const char* const its = peers->makeRoom(control.lacking, control.needed)) return its;
+      peers->awaitAll();
+    }
     const Per per = static_cast<Per>(control.lacking);
     // on several GPUs each color needs a launch
     if (per == Per::Color) colors.note(control.needed);
@@ -199,6 +212,7 @@ struct CudaStepper::Impl {
     makeAmpleRoom({Per::PointPair, Per::PointIncidence, Per::NearFeature}, s.vertices, control);
     executor.reserveScratch();
     if (peers) reservePeers();
+    return kindName(per);
   }
   /// Reserves generously for contact-related kinds while contacts are few. A step that stops requires new
   /// graphs, and contacts that appear one by one would stop it repeatedly. `nodes`: bodies or vertices.
@@ -247,15 +261,17 @@ bool CudaStepper::gatherState(const SolverData& host) {
   if (m.peers->holdsAll()) return false;
   m.adopt(host);
   m.peers->meet(CudaPeers::kBetweenSteps + m.parity);
-  m.executor.beginWork();
-  m.peers->gatherState();
-  m.executor.endWork();
-  Control control;
-  checkCuda(
-      cudaMemcpyAsync(&control, m.executor.control(), sizeof control, cudaMemcpyDeviceToHost, m.stream.get()),
-      "cudaMemcpyAsync");
-  m.stream.wait();
-  if (control.stop != 0) m.peers->requireAll(control.lacking, control.needed);
+  for (Control control{.stop = 1}; control.stop != 0;) {
+    m.executor.beginWork();
+    m.peers->gatherState();
+    m.executor.endWork();
+    checkCuda(cudaMemcpyAsync(&control, m.executor.control(), sizeof control, cudaMemcpyDeviceToHost,
+                              m.stream.get()),
+              "cudaMemcpyAsync");
+    m.wait();
+    // tables have room: what may lack are letters
+    if (control.stop != 0) m.peers->makeRoom(control.lacking, control.needed);
+  }
   return true;
 }
 
@@ -289,14 +305,13 @@ Counters CudaStepper::step(const SolverData& host, StepReport& report) {
   if (m.timings) timeline->addTo(report.stages);
   while (m.status->control.stop != 0) {
     const Control control = m.status->control;
-    m.makeRoom(control);
+    report.grown.push_back({m.makeRoom(control), control.needed});
     ++report.restarts;
-    report.grown.push_back({kindName(static_cast<Per>(control.lacking)), control.needed});
     if (m.observer) {
       m.enqueueObserved(control.stop - 1);
     } else {
       m.enqueue(control.stop - 1, &m.direct, false);
-      m.stream.wait();
+      m.wait();
     }
     if (m.timings) m.direct.addTo(report.stages);
   }

@@ -1,11 +1,27 @@
 #include "backend/distributed/peer_division.h"
 
 #include <algorithm>
+#include <array>
 
 namespace rubble::RUBBLE_CORE {
 
+namespace {
+
+PeerBox boxOf(LetterBox& letters) {
+  const auto grow = [](PeerBox& box, int needed) {
+    LetterBox& to = *static_cast<LetterBox*>(box.owner);
+    to.resize(std::max<std::size_t>(2 * to.size(), static_cast<std::size_t>(needed) + 1));
+    box = boxOf(to);
+  };
+  return {reinterpret_cast<PeerBoxHead*>(letters.data()), letters.data() + 1,
+          static_cast<int>(letters.size()) - 1, grow, &letters};
+}
+
+}  // namespace
+
 PeerDivision::PeerDivision(HostTables& tables, Transport& transport, const RankOptions& options)
     : tables_(tables),
+      transport_(transport),
       courier_(transport),
       exchange_(options.exchange),
       ranks_(static_cast<std::size_t>(transport.ranks())),
@@ -13,6 +29,11 @@ PeerDivision::PeerDivision(HostTables& tables, Transport& transport, const RankO
   data_.rank = transport.rank(), data_.ranks = transport.ranks();
   data_.at = ranks_.data(), data_.cut = &cut_, data_.sums = sums_.data(), data_.listed = listed_;
   cut_.interval = options.cutInterval, cut_.maxImbalance = options.maxImbalance;
+  if (exchange_ == RankExchange::Letters) {
+    out_.resize(ranks_.size(), LetterBox(1)), in_.resize(ranks_.size()), boxes_.resize(ranks_.size());
+    for (std::size_t r = 0; r < ranks_.size(); ++r) boxes_[r] = boxOf(out_[r]);
+    data_.box = boxes_.data();
+  }
   restart();
 }
 
@@ -33,8 +54,13 @@ void PeerDivision::fit() {
   size(sees_, static_cast<std::size_t>(s.counters->aggregates), data_.sees);
   size(mixed_, static_cast<std::size_t>(s.counters->aggregates), data_.mixed);
   size(extraRow_, static_cast<std::size_t>(s.counters->manifolds), data_.extraRow);
-  for (int type = 0; type < JointTypes::kSize; ++type)
+  // others store into these
+  const std::size_t ranks = static_cast<std::size_t>(data_.ranks);
+  size(rowAskers_, capacity(Per::Manifold) * ranks, data_.rowAskers);
+  for (int type = 0; type < JointTypes::kSize; ++type) {
     size(extraJoint_[type], static_cast<std::size_t>(s.joints[type]), data_.extraJoint[type]);
+    size(jointAskers_[type], capacity(perJoint(type)) * ranks, data_.jointAskers[type]);
+  }
 }
 
 template <class Test> void PeerDivision::select(PeerList list, const Test& test, int n) {
@@ -163,8 +189,8 @@ Division::Part PeerDivision::color(int color) {
 
 void PeerDivision::plan() {
   if (std::exchange(planned_, true)) return;
-  settle();
   fit();
+  settle();
   peers::plan(*this);
 }
 
@@ -222,9 +248,30 @@ void PeerDivision::barrier() {
     own.s.contact = arrayOf(reinterpret_cast<ContactRows*>(static_cast<Manifold*>(own.s.oldManifold)),
                             static_cast<std::size_t>(tables_.capacity(Per::ActivePair)));
   passTurn();
+  if (data_.box) exchangeLetters();
   std::ranges::copy(courier_.gatherValue(own), ranks_.begin());
   ++turn_;
   if (exchange_ == RankExchange::StoresInTurns && !atRest_) takeTurn();
+}
+
+/// Sends all boxes, and does what the letters of others say.
+void PeerDivision::exchangeLetters() {
+  std::array<int, kMostPeers> counts{};
+  for (std::size_t r = 0; r < boxes_.size(); ++r) counts[r] = boxes_[r].head->count;
+  const auto all = courier_.gatherValue(counts);
+  std::vector<Transport::Send> sends;
+  std::vector<Transport::Receive> receives;
+  for (std::size_t r = 0; r < boxes_.size(); ++r) {
+    in_[r].resize(static_cast<std::size_t>(all[r][static_cast<std::size_t>(data_.rank)]));
+    const std::span letters(boxes_[r].letter, static_cast<std::size_t>(counts[r]));
+    if (!letters.empty()) sends.push_back({static_cast<int>(r), std::as_bytes(letters)});
+    if (!in_[r].empty()) receives.push_back({static_cast<int>(r), std::as_writable_bytes(std::span(in_[r]))});
+  }
+  transport_.exchange(sends, receives);
+  for (std::size_t r = 0; r < boxes_.size(); ++r) {
+    std::ranges::for_each(in_[r], [](const PeerLetter& letter) { deliver(letter); });
+    in_[r].clear(), boxes_[r].head->count = 0;
+  }
 }
 
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
-/// The division of a step among ranks that are threads and store into one another's tables. It is the scheme
-/// of several GPUs (backend/peers/peer_phases.h) on the CPU, where all of it is tested.
+/// The division of a step among ranks that store into one another's tables, as threads or by letters. It is
+/// the scheme of several GPUs (backend/peers/peer_phases.h) on the CPU, where all of it is tested.
 #include <vector>
 
 #include <rubble/ranks.h>
@@ -12,9 +12,13 @@
 
 namespace rubble::RUBBLE_CORE {
 
+/// The head and letters of a box.
+using LetterBox = std::vector<PeerLetter>;
+
 class PeerDivision final : public WorldDivision {
  public:
-  /// Both must outlive the division. The transport carries pointers, so ranks are threads of one process.
+  /// Both must outlive the division. Without letters ranks are threads of one process: the transport carries
+  /// pointers.
   PeerDivision(HostTables& tables, Transport& transport, const RankOptions& options);
 
   Part part(Cut cut, int n, int which) override;
@@ -62,6 +66,7 @@ class PeerDivision final : public WorldDivision {
   void plan();
   /// A barrier if tables have grown since the last one: others must not store into the old ones.
   void settle();
+  void exchangeLetters();
   void passTurn();
   void takeTurn();
   /// Elements of a list that satisfy a test, as a part; those that this rank counts come first.
@@ -71,15 +76,19 @@ class PeerDivision final : public WorldDivision {
   template <class Mine> Part partBy(int n, Mine&& mine);
 
   HostTables& tables_;
+  Transport& transport_;
   RankCourier courier_;
   RankExchange exchange_;
   PeerData data_;
   PeerCut cut_{};
   std::vector<PeerRank> ranks_;
   std::vector<PeerSums> sums_;
-  std::vector<int> owner_, ownerBefore_, seenBy_, sliceOwner_;
+  std::vector<int> owner_, ownerBefore_, sliceOwner_;
+  std::vector<unsigned> seenBy_;
   std::vector<std::uint8_t> moves_, movesBefore_, seen_, sees_, mixed_, extraRow_,
-      extraJoint_[JointTypes::kSize];
+      extraJoint_[JointTypes::kSize], rowAskers_, jointAskers_[JointTypes::kSize];
+  std::vector<LetterBox> out_, in_;  ///< by rank
+  std::vector<PeerBox> boxes_;
   List lists_[kPeerLists];
   int listed_[kPeerLists] = {};
   std::vector<int> capacities_;  ///< of the tables at the last barrier

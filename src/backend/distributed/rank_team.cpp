@@ -104,11 +104,16 @@ void RankTeam::step(StepReport& report) {
 }
 
 std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, const CpuOptions& cpu) {
+  const RankProcesses& processes = rankProcesses();
   if (!ranks.devices.empty()) {
     if (!cudaReady()) throw Error("ranks.devices", "a machine and a build with CUDA", cudaStatus());
-    return makeCudaTeam(ranks, cpu.timings);
+    if (!processes.transport) return makeCudaTeam(ranks, cpu.timings);
+    if (ranks.devices.size() > 1)
+      throw Error("ranks.devices", "one GPU in each of several processes",
+                  std::to_string(ranks.devices.size()));
+    return makeCudaRank(processes.transport(ranks.timeout), ranks, cpu.timings);
   }
-  if (const RankProcesses& processes = rankProcesses(); ranks.count == 0 && processes.transport) {
+  if (ranks.count == 0 && processes.transport) {
     std::unique_ptr<Transport> transport = processes.transport(ranks.timeout);
     std::unique_ptr<DividedEngine> divided = makeCpuRank(*transport, ranks, cpu);
     return std::make_unique<RankEngine>(std::move(transport), std::move(divided));

@@ -124,6 +124,10 @@ class SocketTransport final : public Transport {
     for (const Socket& link : links_)
       if (link) link.finish();
   }
+  void requireAll() override {
+    for (std::size_t r = 0; r < links_.size(); ++r)
+      if (links_[r] && links_[r].isGone()) throw RankFailure("rank " + std::to_string(r) + " has ended");
+  }
 
  private:
   void swap(std::span<const Send> sends, std::span<const Receive> receives) override {

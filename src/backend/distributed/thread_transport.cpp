@@ -11,6 +11,9 @@ class ThreadHub::End final : public Transport {
   int rank() const override { return rank_; }
   int ranks() const override { return static_cast<int>(hub_.boxes_.size()); }
   void fail(const std::string& why) noexcept override { hub_.fail(rank_, why); }
+  void requireAll() override {
+    if (hub_.failed_) throw RankFailure(hub_.failure());
+  }
 
  private:
   void swap(std::span<const Send> sends, std::span<const Receive> receives) override {

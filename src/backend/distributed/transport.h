@@ -43,6 +43,8 @@ class Transport {
   void gather(std::span<const std::byte> own, std::span<std::byte> all, std::span<const std::size_t> sizes);
   /// Tells the other ranks that this one has failed.
   virtual void fail(const std::string& why) noexcept = 0;
+  /// Throws RankFailure if another rank is known to have failed, without a wait.
+  virtual void requireAll() {}
   const Traffic& traffic() const { return traffic_; }
 
  protected:

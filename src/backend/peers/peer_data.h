@@ -1,14 +1,18 @@
 #pragma once
-/// Ranks that store into one another's tables: GPUs of one process, or threads. Written once for CPU and GPU.
+/// Ranks that store into one another's tables: GPUs, or threads. Written once for CPU and GPU.
 ///
 /// All ranks have tables with the same indices, so an exchange is a store of an element into the same place
 /// of another rank's table, and a barrier of all ranks. Between two barriers a rank does not read what others
 /// store, except where they store what is there already (peer_phases.h names the reason at each exchange).
+/// Where the memory of another rank is out of reach, the stores are letters (peer_letters.h), which the
+/// barrier brings.
+#include "backend/peers/peer_letters.h"
 #include "stages/step.h"
 
 namespace rubble::RUBBLE_CORE {
 
-inline constexpr int kMostPeers = 8;
+/// A body has a bit for each rank that sees it.
+inline constexpr int kMostPeers = 32;
 /// Owner of bodies that every rank solves: those that touch deformable objects.
 inline constexpr int kEveryPeer = -1;
 
@@ -68,7 +72,7 @@ struct PeerData {
   int *owner = nullptr, *ownerBefore = nullptr;           ///< [bodies] rank, or kEveryPeer
   std::uint8_t *moves = nullptr, *movesBefore = nullptr;  ///< [bodies] 1: dynamic, asleep or not
   std::uint8_t* seen = nullptr;  ///< [ranks][bodies] 1: that rank needs the pose; rows of others: own bodies
-  int* seenBy = nullptr;         ///< [bodies] of own bodies: bit r: rank r sees it
+  unsigned* seenBy = nullptr;    ///< [bodies] of own bodies: bit r: rank r sees it
   int* sliceOwner = nullptr;     ///< [slices]
   std::uint8_t* sees = nullptr;  ///< [aggregates] 1: it moves a body that this rank sees
   /// [aggregates] 1: other ranks have a slice of it or see a body that it moves. Sums of all others stay
@@ -76,7 +80,10 @@ struct PeerData {
   std::uint8_t* mixed = nullptr;
   std::uint8_t* extraRow = nullptr;                  ///< [rows] 1: evaluated for a slice alone
   std::uint8_t* extraJoint[JointTypes::kSize] = {};  ///< [joints] the same
+  std::uint8_t* rowAskers = nullptr;                 ///< [rows][ranks] 1: that rank asks for an own row
+  std::uint8_t* jointAskers[JointTypes::kSize] = {};  ///< [joints][ranks] the same
   PeerSums* sums = nullptr;                          ///< [ranks]
+  PeerBox* box = nullptr;  ///< [ranks] letters to each rank; null: ranks reach one another's memory
   int* list[kPeerLists] = {};                        ///< indices; on CPUs ascending
   int* listed = nullptr;                             ///< [lists] how many
 
@@ -86,6 +93,13 @@ struct PeerData {
   RUBBLE_HD std::uint8_t& sightOf(int of, int body) const {
     return seen[static_cast<std::size_t>(of) * static_cast<std::size_t>(stride) +
                 static_cast<std::size_t>(body)];
+  }
+  RUBBLE_HD std::uint8_t* askersOf(int row) const {
+    return rowAskers + static_cast<std::size_t>(row) * static_cast<std::size_t>(ranks);
+  }
+  template <class F> RUBBLE_HD std::uint8_t* askersOf(int joint) const {
+    return jointAskers[typeIndex<F>(JointTypes{})] +
+           static_cast<std::size_t>(joint) * static_cast<std::size_t>(ranks);
   }
   RUBBLE_HD bool has(int body) const { return body >= 0 && body < cut->known; }
   /// Is the body solved here, or does a constraint or slice of this rank need its pose?
@@ -98,10 +112,27 @@ struct PeerRank {
   PeerData p;
 };
 
-/// Calls f(tables, data) for every other rank.
+/// Another rank, into whose tables this one stores. Nothing is read there.
+struct PeerTables {
+  const SolverData& s;
+  const PeerData& p;
+  PeerBox* box;  ///< letters to it; null: its memory is in reach
+
+  /// `to`: an element of its tables.
+  template <class T> RUBBLE_HD void put(T& to, const T& value) const {
+    if (box)
+      box->post(&to, value);
+    else
+      to = value;
+  }
+};
+RUBBLE_HD inline PeerTables peerTables(const PeerData& p, int r) {
+  return {p.at[r].s, p.at[r].p, p.box ? p.box + r : nullptr};
+}
+/// Calls f(tables) for every other rank.
 template <class F> RUBBLE_HD void forEachPeer(const PeerData& p, F&& f) {
   for (int r = 0; r < p.ranks; ++r)
-    if (r != p.rank) f(p.at[r].s, p.at[r].p);
+    if (r != p.rank) f(peerTables(p, r));
 }
 
 /// The bodies of a constraint.

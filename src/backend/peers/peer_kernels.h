@@ -11,37 +11,41 @@ struct PeerKernel {
   static constexpr const char* kStage = "ranks";
   PeerData p;
 };
+/// One that stores into the tables of others. It may run twice before the barrier.
+struct PeerPost : PeerKernel {
+  static constexpr bool kPosts = true;
+};
 
 // Contacts.
 
-struct ShareActivity : PeerKernel {
+struct ShareActivity : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     if (NearPair{p}.ownerOf(s, k) != p.rank) return;
-    forEachPeer(p, [&](const SolverData& to, const PeerData&) { to.isActive[k] = s.isActive[k]; });
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.isActive[k], s.isActive[k]); });
   }
 };
-struct ShareTouches : PeerKernel {
+struct ShareTouches : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (NearActivePair{p}.ownerOf(s, i) != p.rank) return;
-    forEachPeer(p, [&](const SolverData& to, const PeerData&) { to.hasRows[i] = s.hasRows[i]; });
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.hasRows[i], s.hasRows[i]); });
   }
 };
 /// Rows of all ranks, as nodes of the graph of constraints.
-struct ShareRow : PeerKernel {
+struct ShareRow : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.hasRows[i] == 0) return;
     const int row = s.rowOffset[i];
     const OrderedPair o = ordered(s.pair[s.activePair[i]]);
     s.rowBodies[row] = {o.a, o.b, i};
     if (NearActivePair{p}.ownerOf(s, i) != p.rank) return;
-    forEachPeer(p, [&](const SolverData& to, const PeerData&) { to.joinLevel[row] = s.joinLevel[row]; });
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.joinLevel[row], s.joinLevel[row]); });
   }
 };
-struct ShareWhetherBouncing : PeerKernel {
+struct ShareWhetherBouncing : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int) const {
     p.sums[p.rank].bounces = s.counters->bounces;
-    forEachPeer(
-        p, [&](const SolverData&, const PeerData& to) { to.sums[p.rank].bounces = s.counters->bounces; });
+    forEachPeer(p,
+                [&](const PeerTables& to) { to.put(to.p.sums[p.rank].bounces, p.sums[p.rank].bounces); });
   }
 };
 struct TakeWhetherBouncing : PeerKernel {
@@ -52,9 +56,6 @@ struct TakeWhetherBouncing : PeerKernel {
 
 // What a rank evaluates and sees.
 
-struct SeeNothing : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData&, int i) const { p.sightOf(p.rank, i) = 0, p.seenBy[i] = 0; }
-};
 struct ClearExtraRows : PeerKernel {
   RUBBLE_HD void operator()(const SolverData&, int row) const { p.extraRow[row] = 0; }
 };
@@ -112,37 +113,80 @@ struct SeeNeighbors : PeerKernel {
     for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) see(s, p, s.incidence[k].other);
   }
 };
-/// Rows of own slices as their owners have them at the beginning of the iterations.
-struct TakeExtraRows : PeerKernel {
+/// Asks the owners for rows of own slices.
+struct AskExtraRows : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int row) const {
     const int from = ownerOf(p, endsOfRow(s, row));
     if (from < 0) return;
-    const SolverData& owner = p.at[from].s;
-    s.contact[row] = owner.contact[row];
-    if (s.rolls) s.rolling[s.rowBodies[row].manifold] = owner.rolling[s.rowBodies[row].manifold];
+    const PeerTables to = peerTables(p, from);
+    to.put(to.p.askersOf(row)[p.rank], std::uint8_t{1});
   }
 };
-template <class F> struct TakeExtraJoints : PeerKernel {
+template <class F> struct AskExtraJoints : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int from = ownerOf(p, endsOfJoint<F>(s, i));
-    if (from >= 0) s.jointsOf<F>()[i] = p.at[from].s.template jointsOf<F>()[i];
+    if (from < 0) return;
+    const PeerTables to = peerTables(p, from);
+    to.put(to.p.askersOf<F>(i)[p.rank], std::uint8_t{1});
+  }
+};
+/// Calls f(tables) for each rank that has asked for an element.
+template <class F> RUBBLE_HD void forEachAsker(const PeerData& p, const std::uint8_t* askers, F&& f) {
+  for (int r = 0; r < p.ranks; ++r)
+    if (askers[r]) f(peerTables(p, r));
+}
+/// Own rows as they are at the beginning of the iterations, to those that ask.
+struct GiveRows : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int row) const {
+    forEachAsker(p, p.askersOf(row), [&](const PeerTables& to) {
+      to.put(to.s.contact[row], s.contact[row]);
+      if (!s.rolls) return;
+      const int m = s.rowBodies[row].manifold;
+      to.put(to.s.rolling[m], s.rolling[m]);
+    });
+  }
+};
+template <class F> struct GiveJoints : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    forEachAsker(p, p.askersOf<F>(i),
+                 [&](const PeerTables& to) { to.put(to.s.jointsOf<F>()[i], s.jointsOf<F>()[i]); });
+  }
+};
+/// After the barrier: nobody asks any more.
+struct ForgetRowAskers : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData&, int row) const {
+    for (int r = 0; r < p.ranks; ++r) p.askersOf(row)[r] = 0;
+  }
+};
+template <class F> struct ForgetJointAskers : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData&, int i) const {
+    for (int r = 0; r < p.ranks; ++r) p.askersOf<F>(i)[r] = 0;
   }
 };
 /// Tells the owners of bodies who sees them.
-struct ShareSight : PeerKernel {
+struct ShareSight : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (!isDynamic(s, i) || p.isMine(p.owner[i])) return;
-    p.at[p.owner[i]].p.sightOf(p.rank, i) = p.sightOf(p.rank, i);
-    if (p.sightOf(p.rank, i)) atomicCount(&p.sums[p.rank].ghosts, 1);
+    if (!sees(s, p, i)) return;
+    const PeerTables to = peerTables(p, p.owner[i]);
+    to.put(to.p.sightOf(p.rank, i), std::uint8_t{1});
+  }
+  /// Does the rank need the pose of a body of another one?
+  RUBBLE_HD static bool sees(const SolverData& s, const PeerData& p, int i) {
+    return isDynamic(s, i) && !p.isMine(p.owner[i]) && p.sightOf(p.rank, i) != 0;
+  }
+};
+struct CountGhosts : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (ShareSight::sees(s, p, i)) atomicCount(&p.sums[p.rank].ghosts, 1);
   }
 };
 /// Own bodies.
 struct FindSeers : PeerKernel {
   RUBBLE_HD void operator()(const SolverData&, int i) const {
     if (p.owner[i] != p.rank) return;
-    int seers = 0;
+    unsigned seers = 0;
     for (int r = 0; r < p.ranks; ++r)
-      if (r != p.rank && p.sightOf(r, i)) seers |= 1 << r;
+      if (r != p.rank && p.sightOf(r, i)) seers |= 1u << r;
     p.seenBy[i] = seers;
   }
 };
@@ -174,96 +218,103 @@ struct SeeAggregates : PeerKernel {
 
 /// Calls f(tables) for each rank that sees an own body.
 template <class F> RUBBLE_HD void forEachSeer(const PeerData& p, int body, F&& f) {
-  for (int seers = p.seenBy[body], r = 0; seers != 0; seers >>= 1, ++r)
-    if (seers & 1) f(p.at[r].s);
+  int r = 0;
+  for (unsigned seers = p.seenBy[body]; seers != 0; seers >>= 1, ++r)
+    if (seers & 1) f(peerTables(p, r));
 }
 RUBBLE_HD inline void sharePose(const SolverData& s, const PeerData& p, int body) {
-  forEachSeer(p, body, [&](const SolverData& to) { to.dx[body] = s.dx[body], to.dq[body] = s.dq[body]; });
+  forEachSeer(p, body, [&](const PeerTables& to) {
+    to.put(to.s.dx[body], s.dx[body]), to.put(to.s.dq[body], s.dq[body]);
+  });
 }
 /// For the bodies of one color, `body`[k].
-struct ShareColor : PeerKernel {
+struct ShareColor : PeerPost {
   const int* body;
   RUBBLE_HD void operator()(const SolverData& s, int k) const { sharePose(s, p, body[k]); }
 };
 /// Own bodies.
-struct ShareTreePoses : PeerKernel {
+struct ShareTreePoses : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.nodeOfBody[i] >= 0) sharePose(s, p, i);
   }
 };
 /// Sent slices.
-struct ShareSums : PeerKernel {
+struct ShareSums : PeerPost {
   int level;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.aggregate[s.slice[i].aggregate].level != level) return;
-    forEachPeer(p, [&](const SolverData& to, const PeerData&) { to.slice[i].sum = s.slice[i].sum; });
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.slice[i].sum, s.slice[i].sum); });
   }
 };
 
 // The end of a step.
 
 /// Own bodies.
-struct ShareMotion : PeerKernel {
+struct ShareMotion : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (p.owner[i] < 0) return;
-    forEachPeer(p, [&](const SolverData& to, const PeerData&) {
-      to.dx[i] = s.dx[i], to.dq[i] = s.dq[i];
-      to.nextCorrection[i] = s.nextCorrection[i], to.fast[i] = s.fast[i];
+    forEachPeer(p, [&](const PeerTables& to) {
+      to.put(to.s.dx[i], s.dx[i]), to.put(to.s.dq[i], s.dq[i]);
+      to.put(to.s.nextCorrection[i], s.nextCorrection[i]), to.put(to.s.fast[i], s.fast[i]);
     });
   }
 };
 /// Near joints.
-template <class F> struct ShareBreaks : PeerKernel {
+template <class F> struct CountBreaks : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Joint<F>& joint = s.jointsOf<F>()[i];
-    if (!joint.broken) return;
-    const int owner = NearJoint<F>{p}.ownerOf(s, i);
-    if (joint.active) {
-      atomicCount(&p.sums[p.rank].brokenNear, 1);
-      if (p.counts(owner)) atomicCount(&p.sums[p.rank].broken, 1);
-    }
-    if (owner != p.rank) return;
-    forEachPeer(p, [&](const SolverData& to, const PeerData&) { to.jointsOf<F>()[i].broken = 1; });
+    if (!joint.broken || !joint.active) return;
+    atomicCount(&p.sums[p.rank].brokenNear, 1);
+    if (p.counts(NearJoint<F>{p}.ownerOf(s, i))) atomicCount(&p.sums[p.rank].broken, 1);
+  }
+};
+template <class F> struct ShareBreaks : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    const Joint<F>& joint = s.jointsOf<F>()[i];
+    if (!joint.broken || NearJoint<F>{p}.ownerOf(s, i) != p.rank) return;
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.jointsOf<F>()[i].broken, joint.broken); });
   }
 };
 /// Continuous collision detection runs everywhere and reads the contacts of fast bodies. Near pairs.
-struct ShareFastPairs : PeerKernel {
+struct ShareFastPairs : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     if (s.counters->fastBodies == 0 || !s.isActive[k] || !mayImpact(s, ordered(s.pair[k])) ||
         NearPair{p}.ownerOf(s, k) != p.rank)
       return;
     const int m = s.activePairOffset[k];
-    forEachPeer(p, [&](const SolverData& to, const PeerData&) {
-      to.manifold[m] = s.manifold[m];
-      if (s.generalShapes && s.hasRows[m]) to.contact[s.rowOffset[m]] = s.contact[s.rowOffset[m]];
+    const int row = s.rowOffset[m];
+    forEachPeer(p, [&](const PeerTables& to) {
+      to.put(to.s.manifold[m], s.manifold[m]);
+      if (s.generalShapes && s.hasRows[m]) to.put(to.s.contact[row], s.contact[row]);
     });
   }
 };
 /// Restitution runs everywhere and reads all contacts, in steps in which any contact bounces.
-struct ShareBounces : PeerKernel {
+struct ShareBounces : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int row) const {
     if (ownerOf(p, endsOfRow(s, row)) != p.rank) return;
     const int m = s.rowBodies[row].manifold;
-    forEachPeer(p, [&](const SolverData& to, const PeerData&) {
-      to.contact[row] = s.contact[row], to.bounce[row] = s.bounce[row], to.manifold[m] = s.manifold[m];
-      if (s.rolls) to.rolling[m] = s.rolling[m];
+    forEachPeer(p, [&](const PeerTables& to) {
+      to.put(to.s.contact[row], s.contact[row]), to.put(to.s.bounce[row], s.bounce[row]);
+      to.put(to.s.manifold[m], s.manifold[m]);
+      if (s.rolls) to.put(to.s.rolling[m], s.rolling[m]);
     });
   }
 };
 /// The displacements by which joint projection moves bodies, of own trees.
-struct ShareProjections : PeerKernel {
+struct ShareProjections : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     if (node.body < 0 || p.owner[node.body] != p.rank || s.treeNeedsProjection[node.tree] == 0) return;
-    forEachPeer(p, [&](const SolverData& to, const PeerData&) {
-      to.projectionLink[n] = s.projectionLink[n];
-      if (node.tree == n) to.treeNeedsProjection[n] = s.treeNeedsProjection[n];
+    forEachPeer(p, [&](const PeerTables& to) {
+      to.put(to.s.projectionLink[n], s.projectionLink[n]);
+      if (node.tree == n) to.put(to.s.treeNeedsProjection[n], s.treeNeedsProjection[n]);
     });
   }
 };
-struct ShareSumsOfStep : PeerKernel {
+struct ShareSumsOfStep : PeerPost {
   RUBBLE_HD void operator()(const SolverData&, int) const {
-    forEachPeer(p, [&](const SolverData&, const PeerData& to) { to.sums[p.rank] = p.sums[p.rank]; });
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.p.sums[p.rank], p.sums[p.rank]); });
   }
 };
 /// `countsNear`: the counter of the step has all near joints that broke, and else those that this rank

@@ -59,6 +59,9 @@ struct FindHomes {
     // nobody has the state of a body that is new
     p.ownerBefore[i] = i < p.cut->known ? p.owner[i] : kEveryPeer;
     p.movesBefore[i] = p.moves[i];
+    // sights of the last step
+    p.seenBy[i] = 0;
+    for (int k = 0; k < p.ranks; ++k) p.sightOf(k, i) = 0;
     int r = 0;
     while (r + 1 < p.ranks && p.cut->begin[r + 1] <= i) ++r;
     p.owner[i] = r;
@@ -125,44 +128,59 @@ struct KnowBodies {
 /// Stores the state of an old pair into the tables of all ranks.
 RUBBLE_HD inline void shareOldPair(const SolverData& s, const PeerData& p, int k) {
   const int m = manifoldOfOld(s, k);
-  forEachPeer(p, [&](const SolverData& to, const PeerData&) {
-    to.oldPairTest[k] = s.oldPairTest[k];
+  forEachPeer(p, [&](const PeerTables& to) {
+    to.put(to.s.oldPairTest[k], s.oldPairTest[k]);
     if (m < 0) return;
-    to.oldManifold[m] = s.oldManifold[m];
-    if (s.rolledBefore) to.oldRolling[m] = s.oldRolling[m];
+    to.put(to.s.oldManifold[m], s.oldManifold[m]);
+    if (s.rolledBefore) to.put(to.s.oldRolling[m], s.oldRolling[m]);
   });
 }
 template <class F> RUBBLE_HD void shareJoint(const SolverData& s, const PeerData& p, int i) {
-  forEachPeer(p, [&](const SolverData& to, const PeerData&) { to.jointsOf<F>()[i] = s.jointsOf<F>()[i]; });
+  forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.jointsOf<F>()[i], s.jointsOf<F>()[i]); });
 }
 
+/// Is it for this rank to give the state of a constraint to new owners?
+RUBBLE_HD inline bool migrates(const PeerData& p, const PeerEnds& ends) {
+  return p.cut->changed != 0 && p.cut->holdsAll == 0 && hasNewOwner(p, ends) &&
+         ownerOf(p, p.ownerBefore, p.movesBefore, ends) == p.rank;
+}
 /// An old pair that has new owners: from the old owner to all.
 struct MigratePairs {
   static constexpr const char* kStage = "owners";
+  static constexpr bool kPosts = true;
   PeerData p;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    if (p.cut->changed == 0 || p.cut->holdsAll != 0) return;
-    const PeerEnds ends = endsOfPair(s.oldPair[k]);
-    if (!hasNewOwner(p, ends) || ownerOf(p, p.ownerBefore, p.movesBefore, ends) != p.rank) return;
-    shareOldPair(s, p, k);
-    atomicCount(&p.sums[p.rank].migrated, 1);
+    if (migrates(p, endsOfPair(s.oldPair[k]))) shareOldPair(s, p, k);
   }
 };
 template <class F> struct MigrateJoints {
   static constexpr const char* kStage = "owners";
+  static constexpr bool kPosts = true;
   PeerData p;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (p.cut->changed == 0 || p.cut->holdsAll != 0) return;
-    const PeerEnds ends = endsOfJoint<F>(s, i);
-    if (!hasNewOwner(p, ends) || ownerOf(p, p.ownerBefore, p.movesBefore, ends) != p.rank) return;
-    shareJoint<F>(s, p, i);
-    atomicCount(&p.sums[p.rank].migrated, 1);
+    if (migrates(p, endsOfJoint<F>(s, i))) shareJoint<F>(s, p, i);
+  }
+};
+/// How many of them there are.
+struct CountMigratedPairs {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    if (migrates(p, endsOfPair(s.oldPair[k]))) atomicCount(&p.sums[p.rank].migrated, 1);
+  }
+};
+template <class F> struct CountMigratedJoints {
+  static constexpr const char* kStage = "owners";
+  PeerData p;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (migrates(p, endsOfJoint<F>(s, i))) atomicCount(&p.sums[p.rank].migrated, 1);
   }
 };
 
 /// Between steps: the state that this rank has for others.
 struct GatherPairs {
   static constexpr const char* kStage = "owners";
+  static constexpr bool kPosts = true;
   PeerData p;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     if (ownerOf(p, endsOfPair(s.oldPair[k])) == p.rank) shareOldPair(s, p, k);
@@ -171,15 +189,17 @@ struct GatherPairs {
 /// The rows of the last step, whose manifolds are the old ones now.
 struct GatherRows {
   static constexpr const char* kStage = "owners";
+  static constexpr bool kPosts = true;
   PeerData p;
   RUBBLE_HD void operator()(const SolverData& s, int row) const {
     const Pair& pair = s.oldPair[s.activePair[s.rowBodies[row].manifold]];
     if (ownerOf(p, endsOfPair(pair)) != p.rank) return;
-    forEachPeer(p, [&](const SolverData& to, const PeerData&) { to.contact[row] = s.contact[row]; });
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.contact[row], s.contact[row]); });
   }
 };
 template <class F> struct GatherJoints {
   static constexpr const char* kStage = "owners";
+  static constexpr bool kPosts = true;
   PeerData p;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (ownerOf(p, endsOfJoint<F>(s, i)) == p.rank) shareJoint<F>(s, p, i);

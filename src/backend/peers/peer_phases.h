@@ -42,6 +42,8 @@ template <class M> void beginStep(M& m) {
   m.each(KnowBodies{p}, 1);
   m.each(CompareOwners{p}, s.bodies);
   m.barrier();
+  m.eachOld(CountMigratedPairs{p});
+  eachJointType(m, [&]<class F>(int n) { m.each(CountMigratedJoints<F>{p}, n); });
   m.eachOld(MigratePairs{p});
   eachJointType(m, [&]<class F>(int n) { m.each(MigrateJoints<F>{p}, n); });
   m.barrier();
@@ -54,7 +56,7 @@ template <class M> void beginStep(M& m) {
 
 /// Flags of pairs and manifolds: the last reader is in the step before.
 template <class M> void shareActivity(M& m) {
-  m.each(ShareActivity{{m.data()}}, &Counters::pairs);
+  m.each(ShareActivity{{{m.data()}}}, &Counters::pairs);
   m.barrier();
 }
 template <class M> void listActivePairs(M& m) {
@@ -62,25 +64,25 @@ template <class M> void listActivePairs(M& m) {
 }
 template <class M> void shareTouches(M& m) {
   m.eachOf(PeerList::ActivePairs, CountContacts{{m.data()}, M::kCountsNear});
-  m.each(ShareTouches{{m.data()}}, &Counters::activePairs);
+  m.each(ShareTouches{{{m.data()}}}, &Counters::activePairs);
   m.barrier();
 }
 template <class M> void shareRows(M& m) {
   const PeerData p = m.data();
-  m.each(ShareRow{{p}}, &Counters::activePairs);
-  if (m.tables().bounces) m.each(ShareWhetherBouncing{{p}}, 1);
+  m.each(ShareRow{{{p}}}, &Counters::activePairs);
+  if (m.tables().bounces) m.each(ShareWhetherBouncing{{{p}}}, 1);
   m.barrier();
   if (m.tables().bounces) m.each(TakeWhetherBouncing{{p}}, 1);
   m.select(PeerList::OwnRows, NearRow{p}, &Counters::manifolds);
 }
 
-/// What this rank evaluates and sees in the iterations. Reads rows and joints of others, which they change
-/// only after the barrier.
+/// What this rank evaluates and sees in the iterations. Asks for rows and joints of slices at a border, which
+/// nobody reads before the second barrier. Sights and questions of a step are cleared after they are read, and
+/// a barrier follows before others store the next ones.
 template <class M> void plan(M& m) {
   const SolverData& s = m.tables();
   const PeerData p = m.data();
   const bool coarse = s.plan.coarseCorrection;
-  m.each(SeeNothing{{p}}, s.bodies);
   m.select(PeerList::Bodies, OwnBody{p}, s.bodies);
   m.each(ClearExtraRows{{p}}, &Counters::manifolds);
   eachJointType(m, [&]<class F>(int n) { m.each(ClearExtraJoints<F>{{p}}, n); });
@@ -88,25 +90,29 @@ template <class M> void plan(M& m) {
     m.each(FindSliceOwners{{p}}, &Counters::slices);
     m.select(PeerList::Slices, OwnSlice{p}, &Counters::slices);
     m.eachOf(PeerList::Slices, SeeSlices{{p}});
-    // joints begin the step after the last barrier
-    if (s.hasJoints()) m.barrier();
     m.select(PeerList::ExtraRows, ExtraRow{p}, &Counters::manifolds);
-    m.eachOf(PeerList::ExtraRows, TakeExtraRows{{p}});
+    m.eachOf(PeerList::ExtraRows, AskExtraRows{{{p}}});
   }
   m.select(PeerList::Rows, EvaluatedRow{p}, &Counters::manifolds);
   eachJointType(m, [&]<class F>(int n) {
     constexpr int kType = typeIndex<F>(JointTypes{});
     if (coarse) {
       m.select(listOfJoints(PeerJoints::Extra, kType), ExtraJoint<F>{p}, n);
-      m.eachOf(listOfJoints(PeerJoints::Extra, kType), TakeExtraJoints<F>{{p}});
+      m.eachOf(listOfJoints(PeerJoints::Extra, kType), AskExtraJoints<F>{{{p}}});
     }
     m.select(listOfJoints(PeerJoints::All, kType), EvaluatedJoint<F>{p}, n);
   });
   m.eachOf(PeerList::Bodies, SeeNeighbors{{p}});
-  m.each(ShareSight{{p}}, s.bodies);
+  m.each(CountGhosts{{p}}, s.bodies);
+  m.each(ShareSight{{{p}}}, s.bodies);
   m.barrier();
   m.eachOf(PeerList::Bodies, FindSeers{{p}});
   if (!coarse) return;
+  m.each(GiveRows{{{p}}}, &Counters::manifolds);
+  eachJointType(m, [&]<class F>(int n) { m.each(GiveJoints<F>{{{p}}}, n); });
+  m.barrier();
+  m.each(ForgetRowAskers{{p}}, &Counters::manifolds);
+  eachJointType(m, [&]<class F>(int n) { m.each(ForgetJointAskers<F>{{p}}, n); });
   m.each(BeginAggregateSight{{p}}, &Counters::aggregates);
   m.each(MixSlices{{p}}, &Counters::slices);
   m.each(SeeAggregates{{p}}, s.nodes() * kCoarseLevels);
@@ -119,7 +125,7 @@ template <class M> void plan(M& m) {
 template <class M> void beginSums(M& m) { m.barrier(); }
 /// The next sums of a level come after the exchange of another level or color.
 template <class M> void shareSums(M& m, int level) {
-  m.eachOf(PeerList::SentSlices, ShareSums{{m.data()}, level});
+  m.eachOf(PeerList::SentSlices, ShareSums{{{m.data()}}, level});
   m.barrier();
 }
 /// Before the first color: linearized rows read all poses. Bodies of one color do not see one another.
@@ -127,13 +133,13 @@ template <class M> void beginColors(M& m) { m.barrier(); }
 /// Aggregates and rows read all poses, so a barrier precedes.
 template <class M> void shareTreePoses(M& m) {
   m.barrier();
-  m.eachOf(PeerList::Bodies, ShareTreePoses{{m.data()}});
+  m.eachOf(PeerList::Bodies, ShareTreePoses{{{m.data()}}});
   m.barrier();
 }
 /// The same.
 template <class M> void shareMotion(M& m) {
   m.barrier();
-  m.eachOf(PeerList::Bodies, ShareMotion{{m.data()}});
+  m.eachOf(PeerList::Bodies, ShareMotion{{{m.data()}}});
   m.barrier();
 }
 /// From here on owners store rows, manifolds and joints that others do not have, or have with the same bits.
@@ -141,31 +147,34 @@ template <class M> void shareBreaks(M& m) {
   const PeerData p = m.data();
   if (!m.tables().hasJoints()) return;
   eachJointType(m, [&]<class F>(int) {
-    m.eachOf(listOfJoints(PeerJoints::Own, typeIndex<F>(JointTypes{})), ShareBreaks<F>{{p}});
+    m.eachOf(listOfJoints(PeerJoints::Own, typeIndex<F>(JointTypes{})), CountBreaks<F>{{p}});
   });
-  m.each(ShareSumsOfStep{{p}}, 1);
+  eachJointType(m, [&]<class F>(int) {
+    m.eachOf(listOfJoints(PeerJoints::Own, typeIndex<F>(JointTypes{})), ShareBreaks<F>{{{p}}});
+  });
+  m.each(ShareSumsOfStep{{{p}}}, 1);
   m.barrier();
   m.each(TakeBreaks{{p}, M::kCountsNear}, 1);
 }
 template <class M> void shareFastPairs(M& m) {
-  m.eachOf(PeerList::Pairs, ShareFastPairs{{m.data()}});
+  m.eachOf(PeerList::Pairs, ShareFastPairs{{{m.data()}}});
   m.barrierIf(&Counters::fastBodies);
 }
 template <class M> void shareBounces(M& m) {
-  m.each(ShareBounces{{m.data()}}, &Counters::bounceRows);
+  m.each(ShareBounces{{{m.data()}}}, &Counters::bounceRows);
   m.barrierIf(&Counters::bounceRows);
 }
 /// Others may still clear their flags, so a barrier precedes.
 template <class M> void shareProjections(M& m) {
   m.barrier();
-  m.each(ShareProjections{{m.data()}}, m.tables().treeNodes);
+  m.each(ShareProjections{{{m.data()}}}, m.tables().treeNodes);
   m.barrier();
 }
 /// Ends a step.
 template <class M> void shareCounts(M& m) {
   const PeerData p = m.data();
   m.each(CountPart{{p}, M::kCountsNear}, 1);
-  m.each(ShareSumsOfStep{{p}}, 1);
+  m.each(ShareSumsOfStep{{{p}}}, 1);
   m.barrier();
   m.each(TakeCounts{{p}}, 1);
 }
