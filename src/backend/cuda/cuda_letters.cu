@@ -115,8 +115,8 @@ int CudaLetters::kindOf(int lacking) { return lacking <= kLackingLetters ? kLack
 
 void CudaLetters::reserve(int kind, int letters) {
   room_[static_cast<std::size_t>(kind)] = letters + letters / 4;
-  // boxes hold the longest message, and nothing that matters when a step has stopped for their length
-  grow(std::max(capacity_, room_[static_cast<std::size_t>(kind)]));
+  // the boxes of a step that has stopped for their length are empty
+  if (room_[static_cast<std::size_t>(kind)] > capacity_) grow(room_[static_cast<std::size_t>(kind)]);
   ++version_;
 }
 

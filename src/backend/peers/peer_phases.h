@@ -11,7 +11,8 @@
 ///   kCountsNear               counters count near elements, and not only those that this rank counts
 ///
 /// A rank may be one interval between barriers ahead of another. Each exchange says why nobody reads in the
-/// interval what it stores.
+/// interval what it stores. Kernels that store (kPosts) come last before a barrier: where letters lack room, they
+/// alone run again.
 #include "backend/division.h"
 #include "backend/peers/peer_kernels.h"
 #include "backend/peers/peer_owners.h"
@@ -91,19 +92,21 @@ template <class M> void plan(M& m) {
     m.select(PeerList::Slices, OwnSlice{p}, &Counters::slices);
     m.eachOf(PeerList::Slices, SeeSlices{{p}});
     m.select(PeerList::ExtraRows, ExtraRow{p}, &Counters::manifolds);
-    m.eachOf(PeerList::ExtraRows, AskExtraRows{{{p}}});
   }
   m.select(PeerList::Rows, EvaluatedRow{p}, &Counters::manifolds);
   eachJointType(m, [&]<class F>(int n) {
     constexpr int kType = typeIndex<F>(JointTypes{});
-    if (coarse) {
-      m.select(listOfJoints(PeerJoints::Extra, kType), ExtraJoint<F>{p}, n);
-      m.eachOf(listOfJoints(PeerJoints::Extra, kType), AskExtraJoints<F>{{{p}}});
-    }
+    if (coarse) m.select(listOfJoints(PeerJoints::Extra, kType), ExtraJoint<F>{p}, n);
     m.select(listOfJoints(PeerJoints::All, kType), EvaluatedJoint<F>{p}, n);
   });
   m.eachOf(PeerList::Bodies, SeeNeighbors{{p}});
   m.each(CountGhosts{{p}}, s.bodies);
+  if (coarse) {
+    m.eachOf(PeerList::ExtraRows, AskExtraRows{{{p}}});
+    eachJointType(m, [&]<class F>(int) {
+      m.eachOf(listOfJoints(PeerJoints::Extra, typeIndex<F>(JointTypes{})), AskExtraJoints<F>{{{p}}});
+    });
+  }
   m.each(ShareSight{{{p}}}, s.bodies);
   m.barrier();
   m.eachOf(PeerList::Bodies, FindSeers{{p}});
