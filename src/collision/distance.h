@@ -316,9 +316,10 @@ RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& 
 /// `allowed`. If they start deeper, they may still penetrate further by `more`, so that the step can proceed.
 /// n rotates with one of the bodies. The cheap gap along n is tested first. Where it fails, the distance and
 /// its direction replace it.
-RUBBLE_HD inline TimeOfImpact timeOfImpactBeyond(const Placed& a, const SweptMotion& motionA, const Placed& b,
-                                                 const SweptMotion& motionB, const Vec3d& n, bool turnsWithB,
+RUBBLE_HD inline TimeOfImpact timeOfImpactBeyond(const Placed& a, const SweptMotion& bodyA, const Placed& b,
+                                                 const SweptMotion& bodyB, const Vec3d& n, bool turnsWithB,
                                                  double allowed, double more) {
+  const SweptMotion motionA = motionOfSurface(a, bodyA), motionB = motionOfSurface(b, bodyB);
   constexpr int kMostSteps = 128;
   constexpr double
       kLargestRotation = .1;       // rotation of n per search step [rad]: speed bounds hold at its start

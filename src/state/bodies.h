@@ -64,6 +64,12 @@ struct TraitCounts {
   }
 };
 
+/// What happened to a body in the last step, as bits of SolverData::pushed.
+enum LastStep : int {
+  kForced = 1,   ///< a user force acted
+  kStopped = 2,  ///< continuous collision detection cut its motion short
+};
+
 /// Collision filter of a body (CollisionFilter), and whether it is a sensor.
 struct BodyFilter {
   std::uint32_t layers, mask;

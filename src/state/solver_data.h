@@ -96,7 +96,7 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<Vec3> previousVelocity = nullptr;  ///< one step earlier [m/s]
   Array<Vec3> force = nullptr;             ///< user force, for one step [N]
   Array<Vec3> torque = nullptr;            ///< user torque, for one step [N m]
-  Array<int> pushed = nullptr;             ///< 1: a user force acted in the last step
+  Array<int> pushed = nullptr;             ///< what happened in the last step: LastStep
   Array<Vec3> correction = nullptr;        ///< displacement of the penetration correction in this step [m]
   Array<int> asleep = nullptr;             ///< 1 + the root body of the sleeping island, or 0: awake
   Array<Real> stillTime = nullptr;  ///< time since the body last moved faster than the sleep threshold [s]

@@ -59,6 +59,28 @@ TEST(Distance, OfCrossingAxesIsThatOfTheirRadii) {
 }
 
 /// For fast-spinning bodies the time of impact is neither missed nor invented.
+/// Spheres in contact go as deep as they may and no deeper, however fast they spin.
+TEST(TimeOfImpact, OfSpheresInContactDoesNotDependOnTheirSpin) {
+  Random random(9);
+  const ShapeData ball = sphere(Real(.1));
+  constexpr double kApart = .2, kAllowed = .01, kMore = .002;
+  int deeper = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Vec3d n = normalize(Vec3d(random.vector(1)));
+    const Placed a = placed(ball, {0, 0, 0}, Quatd{}), b = placed(ball, n * kApart, Quatd{});
+    const SweptMotion still = someWay(random, .1, 0), way = someWay(random, .1, 0);
+    const SweptMotion spins{still.move, Vec3d(random.vector(20))}, also{way.move, Vec3d(random.vector(20))};
+    const TimeOfImpact m = timeOfImpactBeyond(a, still, b, way, n, false, kAllowed, kMore),
+                       turned = timeOfImpactBeyond(a, spins, b, also, n, k % 2 == 0, kAllowed, kMore);
+    EXPECT_NEAR(turned.fraction, m.fraction, 1e-12) << k;
+    if (m.fraction > 1) continue;
+    ++deeper;
+    const double distance = length(b.p - a.p + (way.move - still.move) * m.fraction) - kApart;
+    EXPECT_NEAR(distance, -kAllowed, kMore) << k;
+  }
+  EXPECT_GT(deeper, 20);
+}
+
 TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
   constexpr int kSamples = 2000;
   constexpr double kTolerance = 1e-3;

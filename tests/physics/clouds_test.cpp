@@ -120,5 +120,48 @@ TEST(Clouds, BodyStoppedByAContactBlocksThoseBehindIt) {
   EXPECT_LT(second, first - kRadius);
 }
 
+/// A jet of grains at 200 m/s that strikes a wall in its first step, and heaps up on it.
+Scene jet(int count) {
+  constexpr double kRadius = .005, kGap = 10 * kRadius, kSpeed = 200;
+  Scene scene = test::emptyScene({0, 0, 0});
+  BodyDef wall;
+  wall.motion = Motion::Static;
+  wall.shape = Shape::box({20, .1, 20});
+  wall.position = {0, kWallFront + .1, 0};
+  scene.bodies.push_back(wall);
+  Random random(5);
+  const int wide = static_cast<int>(std::ceil(std::cbrt(count)));
+  for (int k = 0; k < count; ++k) {
+    BodyDef grain;
+    grain.shape = Shape::sphere(kRadius);
+    const Vec3 cell(k % wide, -(k / wide % wide) - 2, k / wide / wide);
+    grain.position = kGap * cell + random.vector(2 * kRadius);
+    grain.velocity = {0, kSpeed, 0};
+    scene.bodies.push_back(grain);
+  }
+  return scene;
+}
+
+/// In a heap each grain has a few neighbors, whatever it would pass in a step if it were alone.
+TEST(Clouds, GrainsThatHeapUpOnAWallPairWithNeighborsAlone) {
+  constexpr int kCount = 1500, kSteps = 6, kNeighbors = 9;
+  World world(jet(kCount), test::options(4));
+  for (int step = 0; step < kSteps; ++step) {
+    const StepReport report = world.step();
+    EXPECT_LT(report.pairs, kNeighbors * kCount) << "step " << step;
+    EXPECT_GT(report.stoppedBodies, kCount / 2) << "step " << step;
+  }
+  for (int k = 1; k <= kCount; ++k)
+    ASSERT_LT(world.state(world.bodyAt(k)).position.y, kWallFront) << "grain " << k;
+}
+
+TEST(Clouds, SnapshotOfAJetThatStrikesAWallGoesOnWithTheSameBits) {
+  World world(jet(200), test::options(4)), other(jet(200), test::options(4));
+  for (int step = 0; step < 2; ++step) ASSERT_GT(world.step().stoppedBodies, 50);
+  other.restore(Snapshot::fromBytes(world.snapshot().bytes()));
+  for (int step = 0; step < 3; ++step) world.step(), other.step();
+  EXPECT_EQ(world.hash(), other.hash());
+}
+
 }  // namespace
 }  // namespace rubble

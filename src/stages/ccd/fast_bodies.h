@@ -130,17 +130,16 @@ RUBBLE_HD inline Real approach(const SolverData& s, const OrderedPair& o, const 
                            length(b.turn) * b.until * static_cast<double>(pb.radius - pb.shape.radius));
 }
 
-/// Do the bounding spheres of two bodies touch on their motions? Both move until the first of them stops, and
-/// then the other one alone. Their radii are larger by the gap at which an impact is found.
+/// Do the bounding spheres of two bodies touch on their motions up to `limit`? Both move until the first of
+/// them stops, and then the other one alone. Their radii are larger by the gap at which an impact is found.
 RUBBLE_HD inline bool spheresMeet(const SolverData& s, int i, int j, const SweptMotion& a,
-                                  const SweptMotion& b) {
+                                  const SweptMotion& b, double limit = 1) {
   constexpr double kTouching = 2 * static_cast<double>(kImpactGap);
   const double reach = static_cast<double>(s.params[i].radius + s.params[j].radius) * (1 + kTouching);
   const auto between = [&](double t) {
     return s.position[j] - s.position[i] + b.move * min(t, b.until) - a.move * min(t, a.until);
   };
-  const double stop = min(a.until, b.until);
-  const Vec3d corner[3] = {between(0), between(stop), between(1)};
+  const Vec3d corner[3] = {between(0), between(min(min(a.until, b.until), limit)), between(limit)};
   for (int k = 0; k < 2; ++k) {
     const Vec3d& from = corner[k];
     const Vec3d way = corner[k + 1] - from;
@@ -150,9 +149,10 @@ RUBBLE_HD inline bool spheresMeet(const SolverData& s, int i, int j, const Swept
   return false;
 }
 /// The same for any shape: planes have no bounding sphere.
-RUBBLE_HD inline bool mayMeet(const SolverData& s, int i, int j, const SweptMotion& a, const SweptMotion& b) {
+RUBBLE_HD inline bool mayMeet(const SolverData& s, int i, int j, const SweptMotion& a, const SweptMotion& b,
+                              double limit = 1) {
   const auto isPlane = [&](int body) { return s.params[body].shape.kind == ShapeKind::Plane; };
-  return isPlane(i) || isPlane(j) || spheresMeet(s, i, j, a, b);
+  return isPlane(i) || isPlane(j) || spheresMeet(s, i, j, a, b, limit);
 }
 
 RUBBLE_HD inline bool bothDynamic(const SolverData& s, const OrderedPair& o) {

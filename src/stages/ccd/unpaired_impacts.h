@@ -87,8 +87,8 @@ RUBBLE_HD inline Vec3d normalOf(const PlacedAny& part, const PlacedAny& other, c
   return isSurface(other.shape.kind) && part.shape.kind != ShapeKind::Distance ? -at.at.n : at.at.n;
 }
 
-/// By fast body: in the first round those that leave their paths search, in later ones those that have been
-/// stopped.
+/// By fast body: in the first round those that leave their paths search their way, in later ones those that
+/// have been stopped search where they stand.
 struct FindUnpairedImpacts {
   static constexpr const char* kStage = "ccd";
   int round;
@@ -97,28 +97,70 @@ struct FindUnpairedImpacts {
   RUBBLE_HD void operator()(const SolverData& s, int k, int lane, int lanes) const {
     const int i = s.fastBody[k];
     if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
-    if (round > 0 && s.ccdRound[ccdOwner(s, i)] != round) return;
-    // what stops waits there for those whose way it then blocks
+    if (round > 0) {
+      if (s.ccdRound[ccdOwner(s, i)] == round) searchPlace(s, i, lane, lanes);
+    } else if (leavesPath(s, i, boundsOfMotion(s, i, 0, 1))) {
+      searchWayToStop(s, i, lane, lanes);
+    }
+  }
+
+ private:
+  /// The first part of a way that is searched, in radii, and how many times longer the next one is [1].
+  static constexpr Real kFirstPart = 2, kNextPart = 2;
+  /// The shortest first part, as a share of the motion [1]. It bounds the number of parts.
+  static constexpr Real kLeastPart = Real(1e-4);
+  /// Round-off of fractions, rounded up: whether a worker sees a stop that another one has just found must
+  /// not decide about impacts at the same time [1].
+  static constexpr Real kSameTime = Real(1e-6);
+
+  /// Searches ever longer parts of the way of a body until one ends after it stops. Neighbors stop most
+  /// bodies of a crowd at once, and what lies beyond does not matter. Only the body itself stops: those that
+  /// it has met find it where it stands in the next round, however far other workers have searched.
+  RUBBLE_HD void searchWayToStop(const SolverData& s, int i, int lane, int lanes) const {
     const SweptMotion motion = motionIn(s, i);
-    const Real end = round == 0 ? Real(1) : static_cast<Real>(motion.until);
-    const Bounds way = boundsOfMotion(s, i, round == 0 ? Real(0) : end, end);
-    if (round == 0 && !leavesPath(s, i, way)) return;
+    const Real way = length(s.dx[i].dp), first = kFirstPart * s.params[i].radius;
+    for (Real end = way > first ? max(first / way, kLeastPart) : Real(1);; end *= kNextPart) {
+      const Real stop = min(Real(1), Real(1) - fromFloatBits(atomicLoad(&s.ccdShareBits[i])) + kSameTime),
+                 until = min(end, stop);
+      searchWay(
+          s, i, boundsOfMotion(s, i, 0, until),
+          [&](int other) {
+            const double fraction = impactWith(s, i, motion, other, static_cast<double>(until));
+            if (fraction <= 1) atomicRaise(&s.ccdShareBits[i], shareBits(fraction));
+          },
+          lane, lanes);
+      if (end >= stop) return;
+    }
+  }
+  /// A stopped body waits where it stands for those whose way it then blocks.
+  RUBBLE_HD void searchPlace(const SolverData& s, int i, int lane, int lanes) const {
+    const SweptMotion motion = motionIn(s, i);
+    const Real end = static_cast<Real>(motion.until);
     searchWay(
-        s, i, way,
+        s, i, boundsOfMotion(s, i, end, end),
         [&](int other) {
-          if (other == i || !mayMeet(s, i, other, motion, motionIn(s, other))) return;
-          if (isSensor(s, other) || !mayCollide(s, i, other)) return;
-          // primitive partners have a pair; parts of others may be too far apart for one
-          if (isPrimitivePair(s, i, other) && arePartners(s, i, other)) return;
-          const double fraction = timeOfImpactWithBody(s, i, motion, other);
+          const double fraction = impactWith(s, i, motion, other, 1);
           if (!(fraction <= 1)) return;
-          const int bits = floatBits(static_cast<Real>(1 - fraction));
+          const int bits = shareBits(fraction);
           atomicRaise(&s.ccdShareBits[i], bits);
           if (stopsAtImpact(s, other, i)) atomicRaise(&s.ccdShareBits[other], bits);
         },
         lane, lanes);
   }
 
+  /// The share of the motion after a fraction of it, as ccdShareBits stores it.
+  RUBBLE_HD static int shareBits(double fraction) { return floatBits(static_cast<Real>(1 - fraction)); }
+
+  /// Fraction of its motion after which body i meets a body with which it has no pair. `limit`: later impacts
+  /// may be left out.
+  RUBBLE_HD static double impactWith(const SolverData& s, int i, const SweptMotion& motion, int other,
+                                     double limit) {
+    if (other == i || !mayMeet(s, i, other, motion, motionIn(s, other), limit)) return kNoImpact;
+    if (isSensor(s, other) || !mayCollide(s, i, other)) return kNoImpact;
+    // primitive partners have a pair; parts of others may be too far apart for one
+    if (isPrimitivePair(s, i, other) && arePartners(s, i, other)) return kNoImpact;
+    return timeOfImpactWithBody(s, i, motion, other);
+  }
   /// Fraction of its motion after which body i meets `other`.
   RUBBLE_HD static double timeOfImpactWithBody(const SolverData& s, int i, const SweptMotion& motion,
                                                int other) {

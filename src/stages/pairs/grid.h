@@ -61,14 +61,28 @@ template <class Raise> RUBBLE_HD void raiseExtents(const SolverData& s, const Bo
       raise(&c.levelReach[b.level][side][k], kCellOrigin + (side == 0 ? -cell[k] : cell[k]));
 }
 
+/// The largest component of a path [m].
+RUBBLE_HD inline Real longestSide(const Vec3& path) {
+  return max(std::fabs(path.x), max(std::fabs(path.y), std::fabs(path.z)));
+}
 /// Displacement of a body in a step by its velocity and by the share of gravity that it followed in the last
 /// step [m].
-RUBBLE_HD inline Vec3 pathAhead(const SolverData& s, int i) {
+RUBBLE_HD inline Vec3 freePath(const SolverData& s, int i) {
   const Real dt = s.step->dt;
   const Vec3 v = s.velocity[i];
   if (s.params[i].kind != BodyKind::Dynamic) return dt * v;
   const Vec3 gravity = s.params[i].gravityScale * s.stepOf(i).gravity;
   return inertialDisplacement(v, followedShare(v, s.previousVelocity[i], gravity, dt) * gravity, dt);
+}
+
+/// Did continuous collision detection stop a body in the last step?
+RUBBLE_HD inline bool wasStopped(const SolverData& s, int i) { return (s.pushed[i] & kStopped) != 0; }
+/// The path of a body [m]. One that has just been stopped touches what stopped it, and their contact turns it
+/// aside. It would leave a long path, so its path ends where that would become long.
+RUBBLE_HD inline Vec3 pathAhead(const SolverData& s, int i) {
+  const Vec3 path = freePath(s, i);
+  if (!wasStopped(s, i)) return path;
+  return path * min(Real(1), kLongPath * s.params[i].radius / longestSide(path));
 }
 
 /// Is a body in the grid in this step?
@@ -115,7 +129,7 @@ struct ComputeBounds {
     Real size = cellSize(level);
     while (level < kGridSizes - 1 && widest > kLevelFill * size) ++level, size *= 2;
     b.level = level;
-    if (max(std::fabs(b.path.x), max(std::fabs(b.path.y), std::fabs(b.path.z))) > kLongPath * p.radius) {
+    if (!wasStopped(s, i) && longestSide(b.path) > kLongPath * p.radius) {
       b.level += kGridSizes;
       atomicRaise(&s.counters->pathCells, s.cells);
     }
