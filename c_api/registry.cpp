@@ -160,6 +160,7 @@ rb_status rb_run_scene(const rb_scene* scene, const char* options, rb_run** run)
     job.steps = file.steps, job.iterations = file.iterations, job.substeps = file.substeps;
     job.smashStep = file.smashStep, job.dt = file.dt;
     job.appearance = file.appearance, job.sensors = file.sensors;
+    job.actuators = file.actuators;
     need(run, "run") = runOf(std::move(job), options).release();
   });
 }

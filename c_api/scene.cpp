@@ -24,6 +24,7 @@ std::size_t sizeOf(const io::SceneFile& file, const std::string& list) {
   if (list == "exclusions") return scene.exclusions.size();
   if (list == "events") return scene.events.size();
   if (list == "sensors") return file.sensors.size();
+  if (list == "actuators") return file.actuators.size();
   if (list == "looks") return file.appearance.looks.size();
   if (list == "cameras") return file.appearance.cameras.size();
   if (list == "verdict") return file.claims.size();

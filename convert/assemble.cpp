@@ -99,6 +99,12 @@ int rootOf(const Layout& layout, int link) {
   return link < 0 ? -1 : layout.root[static_cast<std::size_t>(link)];
 }
 
+AxisReading axisOf(const Layout& layout, const std::pair<int, int>& dof, int tendon) {
+  if (tendon >= 0) return layout.axisOfTendon[static_cast<std::size_t>(tendon)];
+  const auto found = layout.axisOf.find(dof);
+  return found == layout.axisOf.end() ? AxisReading{} : found->second;
+}
+
 int bodyIndex(const Layout& layout, int link) {
   const int root = rootOf(layout, link);
   return root < 0 ? kWorld : layout.bodyOf[static_cast<std::size_t>(root)];
@@ -119,6 +125,7 @@ void assemble(const Model& model, io::SceneFile& out, Report& report) {
   addObjects(model, layout, scene, report);
   out.appearance.looks = looksOf(model, layout);
   out.sensors = sensorsOf(model, layout, report);
+  out.actuators = actuatorsOf(model, layout, report);
 }
 
 }  // namespace rubble::convert

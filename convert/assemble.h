@@ -34,6 +34,8 @@ struct Layout {
 };
 
 int rootOf(const Layout& layout, int link);
+/// Of a degree of freedom, or else of a tendon.
+AxisReading axisOf(const Layout& layout, const std::pair<int, int>& dof, int tendon);
 /// Index of its body, or kWorld.
 int bodyIndex(const Layout& layout, int link);
 /// Pose of a link in the frame of its body; of the world for static ones.
@@ -55,11 +57,18 @@ inline constexpr const char* kSeveralJoints =
 void addJoints(const Model& model, Layout& layout, Scene& scene, Report& report);
 /// Sensors (assemble_sensors.cpp).
 std::vector<SensorDef> sensorsOf(const Model& model, const Layout& layout, Report& report);
+/// Actuators (assemble_actuators.cpp).
+std::vector<ActuatorDef> actuatorsOf(const Model& model, const Layout& layout, Report& report);
 /// A joint of the tree. Its bodies are left to the caller.
 struct TreeJoint {
   JointDef joint;
-  bool childIsA = true;                      ///< is the link body A?
-  std::vector<std::pair<int, double>> axes;  ///< of each degree of freedom: axis and sign; -1: none
+  bool childIsA = true;  ///< is the link body A?
+  struct Axis {
+    int axis = -1;    ///< -1: none
+    double sign = 1;  ///< the axis is at `sign` times the coordinate of the degree of freedom plus `shift`
+    double shift = 0;
+  };
+  std::vector<Axis> axes;  ///< of each degree of freedom, whose coordinate is measured from its reference
 };
 /// The joint of a tendon, whose coordinate is `zero` where the joint has 0, or of a coupling that no gear or
 /// rack can be: nothing if its bodies are more than four, or for another reason, which is reported

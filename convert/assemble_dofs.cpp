@@ -1,6 +1,7 @@
 /// One joint of all degrees of freedom of a link. Slides and hinges of one body become a six_dof joint: with
 /// R = R_z(q1) R_x(q2) the swing about z is q1 and the twist about x is q2, so two orthogonal hinges are
-/// exact.
+/// exact. Two others, or three with the second one orthogonal to both, are a gimbal with
+/// R = R_z(q1) R_y(q2 + c) R_x(q3): c is the angle by which the first and the third are not orthogonal.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,8 +14,6 @@ namespace {
 
 /// Cosine below which directions are orthogonal, and distance below which axes meet [1, m].
 constexpr double kAligned = 1e-6;
-
-JointAxis axisOf(const Dof& dof, double sign) { return convert::axisOf(dof, sign, dof.reference); }
 
 JointAxis locked() {
   JointAxis axis;
@@ -67,7 +66,10 @@ JointDef ballOf(const Dof& dof, Report& report) {
   return joint;
 }
 
-/// Builds the six_dof joint of several degrees of freedom.
+/// Most that the middle axis of a gimbal may turn [rad].
+constexpr double kMostOfGimbal = 1.48;
+
+/// Builds the six_dof joint or gimbal of several degrees of freedom.
 class SixDof {
  public:
   SixDof(const Link& link, Report& report) : link_(link), report_(report) {
@@ -93,23 +95,22 @@ class SixDof {
       addHinges();
     addSlides();
     anchor = commonAnchor();
-    frame = quatOfAxes(x_, y_, z_);
+    frameA = quatOfAxes(x_, y_, z_), frameB = quatOfAxes(cross(y_, outer_), y_, outer_);
     return joint_;
   }
 
-  /// Axis and sign of each degree of freedom; -1: none.
-  std::vector<std::pair<int, double>> axes() const {
-    std::vector<std::pair<int, double>> out;
+  std::vector<TreeJoint::Axis> axes() const {
+    std::vector<TreeJoint::Axis> out;
     for (const Dof& dof : link_.dofs) {
       const auto found = axes_.find(&dof);
-      out.push_back(found == axes_.end() ? std::pair(-1, 1.) : found->second);
+      out.push_back(found == axes_.end() ? TreeJoint::Axis{} : found->second);
     }
     return out;
   }
 
   bool swapped = false;
-  Vec3 anchor;  ///< in the frame of the link [m]
-  Quat frame;   ///< joint -> link
+  Vec3 anchor;          ///< in the frame of the link [m]
+  Quat frameA, frameB;  ///< of the joint on A and B -> link, in the pose of the file
 
  private:
   bool isOrdered(DofType first, bool isFirst) const {
@@ -129,7 +130,7 @@ class SixDof {
   bool chooseZ(const Vec3& wish) {
     const Vec3 across = wish - dot(wish, x_) * x_;
     if (length(across) < kAligned) return false;
-    z_ = normalize(across), y_ = cross(z_, x_);
+    outer_ = z_ = normalize(across), y_ = cross(z_, x_);
     return true;
   }
   void chooseAnyZ() {
@@ -138,13 +139,13 @@ class SixDof {
     if (!chooseZ({0, 0, 1})) chooseZ({1, 0, 0});
   }
 
-  void setAxis(int axis, const Dof& dof, double sign) {
-    joint_.axes[static_cast<std::size_t>(axis)] = axisOf(dof, sign);
-    axes_[&dof] = {axis, sign};
+  void setAxis(int axis, const Dof& dof, double sign, double shift = 0) {
+    joint_.axes[static_cast<std::size_t>(axis)] = convert::axisOf(dof, sign, dof.reference - sign * shift);
+    axes_[&dof] = {axis, sign, shift};
   }
 
   void addBall() {
-    x_ = {1, 0, 0}, y_ = {0, 1, 0}, z_ = {0, 0, 1};
+    x_ = {1, 0, 0}, y_ = {0, 1, 0}, outer_ = z_ = {0, 0, 1};
     for (std::size_t i = 3; i < 6; ++i) joint_.axes[i] = {};
     const Dof& dof = *turns_.front();
     if (turns_.size() > 1) note(Effect::Lost, "hinges beside a ball joint add no freedom and are left out");
@@ -177,27 +178,45 @@ class SixDof {
       return;
     }
     setAxis(5, outer, sign_);
-    bool orthogonal = std::fabs(dot(outer.axis, x_)) < kAligned;
-    if (count == 3) {
-      const Dof& middle = *turns_[1];
-      const double along = dot(middle.axis, y_);
-      setAxis(4, middle, along < 0 ? -sign_ : sign_);
-      orthogonal = orthogonal && std::fabs(along) > 1 - kAligned;
-      const bool plain = std::all_of(turns_.begin(), turns_.end(), [](const Dof* dof) {
-        return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) &&
-               !(dof->friction > 0) && !(dof->damping > 0) && !(dof->armature > 0) && dof->motorForce == 0;
-      });
-      if (!plain)
-        note(Effect::Approximate,
-             "limits, drives and friction of three hinges act on swing and twist, which are the angles of "
-             "the hinges "
-             "while the other two are small");
+    const double skew = -std::asin(std::clamp(dot(outer.axis, x_), -1., 1.));
+    const bool isSkew = std::fabs(skew) > kAligned;
+    if (count == 2) {
+      if (isSkew) makeGimbal(skew);
+      joint_.axes[4].min = joint_.axes[4].max = isSkew ? skew : 0;
+      return;
     }
-    if (!orthogonal) note(Effect::Approximate, "axes of hinges that are not orthogonal are made so");
+    const Dof& middle = *turns_[1];
+    const double along = dot(middle.axis, y_);
+    setAxis(4, middle, along < 0 ? -sign_ : sign_, skew);
+    const JointAxis& axis = joint_.axes[4];
+    const bool isOrthogonal = std::fabs(along) > 1 - kAligned && std::fabs(skew) < kMostOfGimbal,
+               isBounded = axis.min >= -kMostOfGimbal && axis.max <= kMostOfGimbal;
+    // only a turn that nothing acts on needs no angles
+    const bool isPlain = std::all_of(turns_.begin(), turns_.end(), [](const Dof* dof) {
+      return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) &&
+             !(dof->friction > 0) && !(dof->damping > 0) && !(dof->armature > 0) && dof->motorForce == 0;
+    });
+    if (isOrthogonal && !(isPlain && !isSkew)) {
+      makeGimbal(skew);
+      if (!isBounded) note(Effect::Approximate, "the second of three hinges turns by less than 90 degrees");
+      return;
+    }
+    setAxis(4, middle, along < 0 ? -sign_ : sign_);
+    if (isOrthogonal || isPlain) return;
+    note(Effect::Approximate,
+         "axes of three hinges are made orthogonal, and limits, drives and friction act on "
+         "swing and twist");
+  }
+
+  void makeGimbal(double skew) {
+    joint_.type = jointType("gimbal");
+    outer_ = turns_.front()->axis;
+    if (std::fabs(skew) > kMostOfGimbal)
+      note(Effect::Approximate, "two hinges about nearly the same axis are almost one");
   }
 
   void addSlides() {
-    const Vec3 axes[3] = {x_, y_, z_};
+    const Vec3 axes[3] = {cross(y_, outer_), y_, outer_};
     bool used[3] = {};
     for (const Dof* slide : slides_) {
       int best = -1;
@@ -232,6 +251,13 @@ class SixDof {
     };
     for (const Dof* dof : turns_)
       if (fits(dof->anchor)) return dof->anchor;
+    // where the axes of the first and the last one are nearest to one another
+    const Dof &first = *turns_.front(), &last = *turns_.back();
+    const Vec3 normal = cross(first.axis, last.axis), across = cross(first.axis, normal);
+    if (const double along = dot(last.axis, across); std::fabs(along) > kAligned)
+      if (const Vec3 point = last.anchor + dot(first.anchor - last.anchor, across) / along * last.axis;
+          fits(point))
+        return point;
     note(Effect::Approximate,
          "axes of hinges that do not meet in a point are moved to the anchor of the last one");
     return link_.dofs.back().anchor;
@@ -241,9 +267,10 @@ class SixDof {
   Report& report_;
   std::vector<const Dof*> slides_, turns_;
   double sign_ = 1;
-  std::map<const Dof*, std::pair<int, double>> axes_;
+  std::map<const Dof*, TreeJoint::Axis> axes_;
   JointDef joint_;
-  Vec3 x_, y_, z_;
+  Vec3 x_, y_, z_;  ///< of the joint on A, in the frame of the link
+  Vec3 outer_;      ///< z of the joint on B, likewise
 };
 
 }  // namespace
@@ -275,15 +302,17 @@ TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
   Quat frame;
   std::optional<Quat> frameB;  // where it is not that of A at the beginning
   bool swapped = false;
-  std::vector<std::pair<int, double>> axes{{0, 1}};
+  std::vector<TreeJoint::Axis> axes{{0}};
   if (link.dofs.size() > 1) {
     SixDof builder(link, report);
     joint = builder.build();
-    anchor = builder.anchor, frame = builder.frame, swapped = builder.swapped;
+    anchor = builder.anchor, swapped = builder.swapped;
+    frame = swapped ? builder.frameB : builder.frameA;
+    frameB = normalize(inParentBody.q * (swapped ? builder.frameA : builder.frameB));
     axes = builder.axes();
   } else if (first.type == DofType::Ball) {
     joint = ballOf(first, report);
-    axes.front().first = -1;
+    axes.front().axis = -1;
     if (first.spring) {
       // axes of the springs are halfway between the two links at rest; the twist is about that of the parent
       const Quat turn = normalize(link.pose.q * first.spring->rest);
@@ -293,7 +322,7 @@ TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
     }
   } else {
     joint.type = first.type == DofType::Hinge ? JointType::Hinge : JointType::Slider;
-    joint.axes[0] = axisOf(first, 1);
+    joint.axes[0] = axisOf(first, 1, first.reference);
     frame = frameAlong(first.axis);
     joint.orientationAtoB = inParentBody.q;
   }

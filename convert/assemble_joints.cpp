@@ -43,9 +43,9 @@ class JointBuilder {
     joint.collide = model_.parentsCollide;
     layout_.jointOf[i] = static_cast<int>(scene_.joints.size());
     for (std::size_t k = 0; k < axes.size(); ++k)
-      if (axes[k].first >= 0)
-        layout_.axisOf[{static_cast<int>(i), static_cast<int>(k)}] = {layout_.jointOf[i], axes[k].first,
-                                                                      axes[k].second, link.dofs[k].reference};
+      if (const TreeJoint::Axis& own = axes[k]; own.axis >= 0)
+        layout_.axisOf[{static_cast<int>(i), static_cast<int>(k)}] = {
+            layout_.jointOf[i], own.axis, own.sign, link.dofs[k].reference - own.sign * own.shift};
     for (const Dof& dof : link.dofs)
       report_.converted(dof.place, "joint" + inQuotes(dof.name), keyword(joint.type) + inQuotes(joint.name));
     scene_.joints.push_back(std::move(joint));

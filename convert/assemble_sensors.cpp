@@ -21,11 +21,7 @@ std::string finish(const ModelSensor& from, const Layout& layout, SensorDef& sen
     return "";
   }
   if (from.dof.first < 0 && from.tendon < 0) return "";
-  AxisReading reading;
-  if (from.tendon >= 0)
-    reading = layout.axisOfTendon[static_cast<std::size_t>(from.tendon)];
-  else if (const auto found = layout.axisOf.find(from.dof); found != layout.axisOf.end())
-    reading = found->second;
+  const AxisReading reading = axisOf(layout, from.dof, from.tendon);
   if (reading.joint < 0) return "no axis of a joint has its coordinate";
   sensor.joint = reading.joint, sensor.axis = reading.axis;
   if (sensor.type == SensorType::JointPosition) sensor.offset += sensor.scale * reading.offset;

@@ -15,6 +15,7 @@ constexpr int kMostLevels = 8;
 std::string& nameOf(auto& each) { return each.name; }
 std::string& nameOf(SoftObject& each) { return common(each.object).name; }
 std::string& nameOf(ModelSensor& each) { return each.sensor.name; }
+std::string& nameOf(ModelActuator& each) { return each.actuator.name; }
 
 }  // namespace
 
@@ -195,6 +196,15 @@ void MjcfReader::readAttach(const Tag& tag, const MjcfScope& scope) {
   };
   addCoordinates(reader.drivenCoordinates_, drivenCoordinates_);
   addCoordinates(reader.sharedCoordinates_, sharedCoordinates_);
+  takeOver(part.actuators, model_.actuators, "actuator", [&](ModelActuator& own) {
+    if (own.link < 0) return moveCoordinate(own.dof, own.tendon);
+    const Pose* const in = moveLink(own.link);
+    if (!in) return false;
+    ActuatorDef& actuator = own.actuator;
+    actuator.position = *in * actuator.position;
+    actuator.force = rotate(in->q, actuator.force), actuator.torque = rotate(in->q, actuator.torque);
+    return true;
+  });
   takeOver(
       part.sensors, model_.sensors, "sensor",
       [&](ModelSensor& sensor) {

@@ -116,20 +116,19 @@ struct MjcfRound {
   bool isCylinder;
 };
 
-/// Force of an actuator per unit gear: constant, by length and by speed.
-struct MjcfLaw {
-  double constant = 0, byLength = 0, bySpeed = 0;
-};
-/// The coordinate that an actuator acts on.
+/// The coordinate or body that an actuator acts on.
 struct MjcfTarget {
   Coordinate* coordinate = nullptr;
-  Moments moments;              ///< of the actuator, with its gear
-  double gear = 1, length = 0;  ///< length: of the actuator at the beginning
-  bool hasLength = true;        ///< false: its length is always 0
-  double most = kHard;          ///< largest force of all actuators of the joint
-  std::string what;             ///< "joint 'knee'"
+  Moments moments;        ///< of the actuator, with its gear
+  double gear = 1;        ///< of the coordinate
+  bool hasLength = true;  ///< false: its length is always 0
+  double most = kHard;    ///< largest force of all actuators of the joint
+  std::string what;       ///< "joint 'knee'"
   std::pair<int, int> dof{-1, -1};
-  int tendon = -1;
+  int tendon = -1;        ///< that the coordinate is of
+  bool isOfModel = true;  ///< false: a tendon that is made for this actuator
+  int link = -1;          ///< of a wrench: force and torque in the frame of this link
+  Vec3 position, force, torque;
 };
 
 /// What surrounds an element of the tree of bodies.
@@ -252,6 +251,9 @@ class MjcfReader {
   void readTendonRelation(const Tag& tag, std::size_t first, const std::vector<double>& terms);
   int linkOf(const Tag& tag, const char* key) const;
 
+  /// The same with hinges and slides moved from there, by a function of (link, index in its dofs).
+  template <class Change> Pose poseWith(int link, Change&& change) const;
+
   // mjcf_tendons.cpp
   void readTendon(const Tag& tag);
   void readPath(const Tag& tag, Tendon& tendon);
@@ -259,6 +261,9 @@ class MjcfReader {
   const MjcfSite& siteOf(const Tag& tag, const char* key) const;
   void readSum(const Tag& tag, Tendon& tendon);
   double lengthInFile(const Tendon& tendon) const;
+  /// Least and largest length within the limits of all hinges and slides; nothing if one of them moves
+  /// freely.
+  std::optional<std::array<double, 2>> lengthRange(const Tendon& tendon) const;
   /// Rates of the length by those of all hinges and slides, in the pose of the file.
   Moments momentsOf(const Tendon& tendon) const;
   /// The length with all joints at the rest of their springs.
@@ -280,18 +285,28 @@ class MjcfReader {
 
   // mjcf_actuators.cpp
   void readActuator(const Tag& tag);
-  void readAdhesion(const Tag& tag, std::size_t index);
-  /// Of the keyframe, within its range.
-  double controlOf(const Tag& tag, std::size_t index);
+  void readAdhesion(const Tag& tag, ModelActuator actuator);
+  /// Name, bounds, and control and activation at the beginning.
+  ModelActuator actuatorAtStart(const Tag& tag);
   /// What an actuator acts on; nothing if that is not possible, which is reported.
   std::optional<MjcfTarget> targetOf(const Tag& tag);
-  std::optional<MjcfLaw> lawOf(const Tag& tag, double control, double activation, const MjcfTarget& target);
-  std::optional<MjcfLaw> muscleLaw(const Tag& tag, double activation, const MjcfTarget& target);
+  /// Gain, bias and dynamics; false for a law that is not known here.
+  bool readLaw(const Tag& tag, const MjcfTarget& target, ActuatorDef& out);
+  /// Damping of a drive by its ratio to the critical one.
+  double dampingOf(const Tag& tag, const MjcfTarget& target, double stiffness, double ratio);
+  bool readGeneral(const Tag& tag, const MjcfTarget& target, ActuatorDef& out);
+  /// Adds an actuator whose force is one of the scene at its control and activation at the beginning: a drive
+  /// or a motor.
+  void addToCoordinate(const Tag& tag, const MjcfTarget& target, ModelActuator& own);
+
+  // mjcf_muscle.cpp
+  bool readMuscle(const Tag& tag, const MjcfTarget& target, ActuatorDef& out);
 
   // mjcf_targets.cpp
-  MjcfTarget targetOfSite(const Tag& tag);
+  /// `isPlain`: the force depends on the input alone.
+  MjcfTarget targetOfSite(const Tag& tag, bool isPlain);
   /// Of a free or ball joint, whose link is given.
-  MjcfTarget targetOfTurns(const Tag& tag, int link, bool inParent);
+  MjcfTarget targetOfTurns(const Tag& tag, int link, bool inParent, bool isPlain);
   /// A new tendon.
   MjcfTarget targetOf(Tendon tendon, const Tag& tag, const std::string& what);
   /// Three numbers of a gear from one on.

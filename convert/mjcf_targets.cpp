@@ -31,13 +31,21 @@ MjcfTarget MjcfReader::targetOf(Tendon tendon, const Tag& tag, const std::string
   model_.tendons.push_back(std::move(tendon));
   MjcfTarget out;
   out.coordinate = &model_.tendons.back();
+  out.tendon = static_cast<int>(model_.tendons.size()) - 1, out.isOfModel = false;
   out.what = what;
   return out;
 }
 
-MjcfTarget MjcfReader::targetOfSite(const Tag& tag) {
+MjcfTarget MjcfReader::targetOfSite(const Tag& tag, bool isPlain) {
   const MjcfSite& site = siteOf(tag, "site");
   const Vec3 along{gearOf(tag, 0)}, about{gearOf(tag, 3)};
+  if (isPlain && !tag.has("refsite")) {
+    MjcfTarget out;
+    out.what = "site" + inQuotes(tag.need("site"));
+    out.link = site.link, out.position = site.pose.p;
+    out.force = rotate(site.pose.q, along), out.torque = rotate(site.pose.q, about);
+    return out;
+  }
   Motion travel;
   travel.link = travel.axisLink = site.link, travel.anchor = site.pose.p;
   Quat axes = site.pose.q;
@@ -61,9 +69,15 @@ MjcfTarget MjcfReader::targetOfSite(const Tag& tag) {
   return out;
 }
 
-MjcfTarget MjcfReader::targetOfTurns(const Tag& tag, int at, bool inParent) {
+MjcfTarget MjcfReader::targetOfTurns(const Tag& tag, int at, bool inParent, bool isPlain) {
   const Link& own = link(at);
   const Vec3 first = gearOf(tag, 0), second = gearOf(tag, 3);
+  if (own.free && isPlain && !inParent && first == Vec3{}) {
+    MjcfTarget out;
+    out.what = "link" + inQuotes(own.name);
+    out.link = at, out.torque = second;
+    return out;
+  }
   Motion turn;
   turn.link = at, turn.frame = own.parent, turn.turns = true;
   turn.axisLink = inParent ? own.parent : at;

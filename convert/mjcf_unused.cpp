@@ -55,7 +55,6 @@ const Reasons& attributes() {
       {"pair.gap", {Effect::Approximate, "contacts begin where surfaces touch"}},
       {"site.fromto", {Effect::None, kLook}},
       {"spatial.width", {Effect::None, kLook}},
-      {"general.dynprm", {Effect::None, "time constants of activations, which stay as they are"}},
       {"flexcomp.inertiabox", {Effect::None, "vertices are points"}},
       {"flexcomp.flatskin", {Effect::None, kLook}},
       {"flexcomp.texcoord", {Effect::None, kLook}},
@@ -100,7 +99,6 @@ const Reasons& attributes() {
       {"hfield.content_type", {Effect::None, "the ending of the name tells the format"}},
       {"freejoint.align", {Effect::None, kSolver}},
       {"general.lengthrange", {Effect::None, "ranges of muscles"}},
-      {"position.inheritrange", {Effect::None, "range of controls, which stay as they are"}},
   };
   return all;
 }
@@ -119,12 +117,7 @@ const Reasons& anywhere() {
       {"solimplimit", {Effect::Approximate, kSoft}},
       {"solreffriction", {Effect::Approximate, kSoft}},
       {"solimpfriction", {Effect::Approximate, kSoft}},
-      {"inheritrange", {Effect::None, "range of controls, which stay as they are"}},
-      {"actrange", {Effect::None, "range of activations"}},
-      {"actlimited", {Effect::None, "range of activations"}},
       {"actdim", {Effect::None, "number of activations"}},
-      {"actearly", {Effect::None, "when activations act"}},
-      {"timeconst", {Effect::None, "time constants of activations, which stay as they are"}},
       {"delay", {Effect::Lost, "delay of a control"}},
       {"noise", {Effect::None, "readings have no noise"}},
       {"interval", {Effect::None, "there is a reading for each step"}},

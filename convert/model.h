@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <rubble/actuators.h>
 #include <rubble/scene.h>
 #include <rubble/sensors.h>
 
@@ -218,6 +219,17 @@ struct ModelSensor {
   int tendon = -1;                  ///< index of a tendon; of a joint axis
 };
 
+/// An actuator. Its length is `gear` times its coordinate plus `offset`; body, joint and signs are left to
+/// assemble(). Position and Speed have as `gain` and `included` the force for the drive that they move.
+struct ModelActuator {
+  Place place;
+  std::string what;  ///< "muscle 'biceps'"
+  ActuatorDef actuator;
+  std::pair<int, int> dof{-1, -1};  ///< link, index in its dofs
+  int tendon = -1;                  ///< index of a tendon
+  int link = -1;                    ///< of a wrench or adhesion
+};
+
 struct ModelCamera {
   std::string name;
   Pose pose;                          ///< in the world; it looks along its -z
@@ -234,6 +246,7 @@ struct Model {
   std::vector<FreeJoint> joints;
   std::vector<SoftObject> objects;
   std::vector<ModelSensor> sensors;
+  std::vector<ModelActuator> actuators;
   std::vector<ModelCamera> cameras;             ///< the first one is that of the scene
   std::optional<Vec3> toSun;                    ///< unit, world
   std::optional<double> timeStep;               ///< that the model asks for [s]

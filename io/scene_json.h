@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <rubble/actuators.h>
 #include <rubble/appearance.h>
 #include <rubble/error.h>
 #include <rubble/scene.h>
@@ -33,6 +34,7 @@ struct SceneFile {
   std::optional<FileCamera> camera;
   Appearance appearance;
   std::vector<SensorDef> sensors;
+  std::vector<ActuatorDef> actuators;
   int steps = 600;       ///< of a full run
   int iterations = 4;    ///< that the verdict is stated for
   int substeps = 1;      ///< likewise

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "io/actuator_json.h"
 #include "io/appearance_json.h"
 #include "io/scene_reader.h"
 #include "io/sensor_json.h"
@@ -28,6 +29,7 @@ static constexpr std::pair<const char*, const char*> kLists[] = {
     {"exclusions", "a list of pairs of bodies"},
     {"events", "a list of events"},
     {"sensors", "a list of sensors"},
+    {"actuators", "a list of actuators"},
     {"looks", "a list of looks"},
     {"cameras", "a list of cameras"},
     {"verdict", "a list of claims"},
@@ -98,6 +100,10 @@ void SceneReader::add(SceneFile& out, const std::string& list, const Node& eleme
     out.sensors.push_back(readSensor(
         element, [&](const Node& body) { return bodyIndex(body, scene); },
         [&](const Node& joint) { return jointIndex(joint, scene); }));
+  else if (list == "actuators")
+    out.actuators.push_back(readActuator(
+        element, [&](const Node& body) { return bodyIndex(body, scene); },
+        [&](const Node& joint) { return jointIndex(joint, scene); }));
   else if (list == "looks")
     addLook(out, element);
   else if (list == "cameras")
@@ -139,6 +145,8 @@ void SceneReader::dropLast(SceneFile& out, const std::string& list) {
     scene.events.pop_back();
   } else if (list == "sensors" && !out.sensors.empty()) {
     out.sensors.pop_back();
+  } else if (list == "actuators" && !out.actuators.empty()) {
+    out.actuators.pop_back();
   } else if (list == "looks" && !out.appearance.looks.empty()) {
     out.appearance.looks.pop_back();
   } else if (list == "cameras" && !out.appearance.cameras.empty()) {

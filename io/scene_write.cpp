@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "io/actuator_json.h"
 #include "io/appearance_json.h"
 #include "io/joint_reader.h"
 #include "io/json_text.h"
@@ -229,6 +230,8 @@ Json SceneWriter::write() {
   for (const SensorDef& added : file_.sensors)
     json["sensors"].push_back(sensorJson(
         added, [&](int body) { return bodyReference(body); }, [](int joint) { return Json(joint); }));
+  for (const ActuatorDef& added : file_.actuators)
+    json["actuators"].push_back(actuatorJson(added, [&](int body) { return bodyReference(body); }));
   for (const Look& added : file_.appearance.looks)
     json["looks"].push_back(
         lookJson(added, bodyReference(added.body), [this](const Shape& each) { return shapeOf(each); }));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <rubble/actuators.h>
 #include <rubble/appearance.h>
 #include <rubble/rubble.h>
 #include <rubble/sensors.h>
@@ -101,6 +102,7 @@ struct Job {
   Camera camera;
   Appearance appearance;
   std::vector<SensorDef> sensors;
+  std::vector<ActuatorDef> actuators;
   int steps = 600;
   int iterations = 4;
   int substeps = 1;
@@ -128,16 +130,19 @@ class Runner {
   Runner(Job job, const WorldOptions& options);
   World& world() { return world_; }
   const Job& job() const { return job_; }
-  StepReport step();  ///< events of this step, the driver, then one step
+  Actuators& actuators() { return actuators_; }
+  StepReport step();  ///< events of this step, the driver, the actuators, then one step
   RunResult run(int steps, const Observer& observer = {});
-  /// Continues from a snapshot of a run of the same job. Throws Error if its parameters are others.
-  void resume(const Snapshot& checkpoint);
+  /// Continues from a snapshot of a run of the same job, with the activations that its actuators had. Throws
+  /// Error if its parameters are others.
+  void resume(const Snapshot& checkpoint, std::span<const double> activations = {});
 
  private:
   static WorldOptions optionsOf(const Job& job, WorldOptions options);
 
   Job job_;
   World world_;
+  Actuators actuators_;
   bool started_ = false;
 };
 

@@ -28,7 +28,9 @@ WorldOptions Runner::optionsOf(const Job& job, WorldOptions options) {
 }
 
 Runner::Runner(Job job, const WorldOptions& options)
-    : job_(inStepsOf(options.params.dt, std::move(job))), world_(job_.scene, optionsOf(job_, options)) {}
+    : job_(inStepsOf(options.params.dt, std::move(job))),
+      world_(job_.scene, optionsOf(job_, options)),
+      actuators_(job_.actuators, world_) {}
 
 StepReport Runner::step() {
   if (!started_) {
@@ -37,16 +39,18 @@ StepReport Runner::step() {
   }
   world_.runEvents();
   if (job_.drive) job_.drive(world_);
+  actuators_.apply(world_);
   StepReport report = world_.step();
   for (auto& probe : job_.probes) probe->afterStep(world_, report);
   return report;
 }
 
-void Runner::resume(const Snapshot& checkpoint) {
+void Runner::resume(const Snapshot& checkpoint, std::span<const double> activations) {
   for (auto& probe : job_.probes) probe->start(world_);
   started_ = true;
   const Params own = world_.params();
   world_.restore(checkpoint);
+  std::ranges::copy(activations, actuators_.activations().begin());
   const Params& its = world_.params();
   for (const ParamField& field : paramFields())
     if (const double a = field.get(own), b = field.get(its); a != b)

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -14,6 +17,7 @@ namespace {
 struct RunOptions {
   JobOptions job;
   std::string jsonFile, recordFile, inputsFile, sensorFile, checkpointFile, resumeFile;
+  std::vector<std::string> controls;  ///< "NAME=VALUE"
   int checkpointInterval = 0;
   PictureOptions picture;
   bool quiet = false;
@@ -21,6 +25,21 @@ struct RunOptions {
   bool noStages = false;
   bool hash = false;
 };
+
+void setControls(std::vector<ActuatorDef>& actuators, const std::vector<std::string>& controls) {
+  for (const std::string& each : controls) {
+    const std::size_t split = each.find('=');
+    const std::string name = each.substr(0, split);
+    const auto found = std::ranges::find(actuators, name, &ActuatorDef::name);
+    if (name.empty() || found == actuators.end())
+      throw Error("--control", "the name of an actuator, '=' and a number", "\"" + each + "\"");
+    const char *const begin = each.data() + std::min(split, each.size() - 1) + 1, *const end = each.data() +
+                                                                                               each.size();
+    if (const auto [last, error] = std::from_chars(begin, end, found->control);
+        error != std::errc{} || last != end || !std::isfinite(found->control))
+      throw Error("--control", "a number after \"" + name + "=\"", "\"" + each + "\"");
+  }
+}
 
 int run(RunOptions options) {
   for (std::string* file : {&options.jsonFile, &options.recordFile, &options.inputsFile, &options.sensorFile,
@@ -34,6 +53,7 @@ int run(RunOptions options) {
     requireWritable(file);
   PreparedJob prepared = prepareJob(options.job);
   prepared.world.timings = !options.noStages;
+  setControls(prepared.job.actuators, options.controls);
   SessionOptions session;
   session.quiet = options.quiet || !Processes::isFirst();
   session.hash = options.hash;
@@ -93,6 +113,11 @@ void addRun(CLI::App& app, int& status) {
       ->add_option("--sensors", options->sensorFile,
                    "Write the readings of the sensors of the scene after each step, as CSV")
       ->type_name("FILE");
+  command
+      ->add_option("--control", options->controls,
+                   "Control of an actuator of the scene, in place of that at its beginning; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
   command
       ->add_option("--checkpoint", options->checkpointFile,
                    "Write the state after every N steps (--every), in place of the one before")

@@ -104,6 +104,7 @@ scenes::Job jobOf(io::SceneFile scene) {
                             : cameraShowing(scene.scene, {}, scene.smashStep >= 0);
   job.appearance = std::move(scene.appearance);
   job.sensors = std::move(scene.sensors);
+  job.actuators = std::move(scene.actuators);
   job.steps = scene.steps;
   job.iterations = scene.iterations;
   job.substeps = scene.substeps;
@@ -123,6 +124,7 @@ io::SceneFile fileOf(const scenes::Job& job) {
   file.camera = io::FileCamera{job.camera.eye, job.camera.target};
   file.appearance = job.appearance;
   file.sensors = job.sensors;
+  file.actuators = job.actuators;
   file.steps = job.steps;
   file.iterations = job.iterations;
   file.substeps = job.substeps;

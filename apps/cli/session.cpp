@@ -1,6 +1,7 @@
 #include "apps/cli/session.h"
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <optional>
 
@@ -70,37 +71,46 @@ std::vector<std::byte> readBytes(const std::string& file) {
   return out;
 }
 
-/// A checkpoint is this line, which names the scene of its run, and a save game.
+/// A checkpoint is this line, which names the scene of its run, the activations of its actuators and a save
+/// game.
 constexpr std::string_view kCheckpoint = "rubble checkpoint 1, scene ";
 
 /// Scene of a run, by a checksum of all that it says, and its title.
 std::string sceneOf(const scenes::Job& job, const std::string& title) {
   io::SceneFile file;
   file.scene = job.scene;
+  file.actuators = job.actuators;
   const std::string text = io::toJson(file);
   return fmt::format("{:08x} ({})", io::crc32(text.data(), text.size()), title);
 }
 /// Without the title, which may have arguments in another order.
 std::string checksumOf(const std::string& scene) { return scene.substr(0, scene.find(' ')); }
 
-/// The state in a checkpoint of a run of the same scene. Throws Error for another file.
-Snapshot readCheckpoint(const std::string& file, const std::string& scene) {
+/// Resumes from a checkpoint of a run of the same scene. Throws Error for another file.
+void resume(scenes::Runner& runner, const std::string& file, const std::string& scene) {
   const std::vector<std::byte> bytes = readBytes(file);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::size_t end = text.starts_with(kCheckpoint) ? text.find('\n') : text.npos;
   if (end == text.npos) throw Error(file, "a checkpoint that 'rubble run' wrote", "another file");
   const std::string found(text.substr(kCheckpoint.size(), end - kCheckpoint.size()));
   if (checksumOf(found) != checksumOf(scene)) throw Error(file, "a checkpoint of scene " + scene, found);
-  return Snapshot::fromBytes(std::span(bytes).subspan(end + 1));
+  std::vector<double> activations(runner.actuators().activations().size());
+  const std::size_t size = activations.size() * sizeof(double);
+  if (bytes.size() - (end + 1) < size) throw Error(file, "a whole checkpoint", "a part of one");
+  std::memcpy(activations.data(), bytes.data() + end + 1, size);
+  runner.resume(Snapshot::fromBytes(std::span(bytes).subspan(end + 1 + size)), activations);
 }
 
 /// Replaces the checkpoint, or leaves the one before. Without a file the state is gathered, as other ranks
 /// need it.
-void writeCheckpoint(const std::string& file, const std::string& scene, const World& world) {
-  const std::vector<std::byte> state = world.snapshot().bytes();
+void writeCheckpoint(const std::string& file, const std::string& scene, scenes::Runner& runner) {
+  const std::vector<std::byte> state = runner.world().snapshot().bytes();
   if (file.empty()) return;
   io::OutputFile out(file);
   out.stream() << kCheckpoint << scene << '\n';
+  const std::span<const double> activations = runner.actuators().activations();
+  out.stream().write(reinterpret_cast<const char*>(activations.data()),
+                     static_cast<std::streamsize>(activations.size_bytes()));
   out.stream().write(reinterpret_cast<const char*>(state.data()), static_cast<std::streamsize>(state.size()));
   out.finish();
 }
@@ -147,7 +157,7 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   std::string scene;
   if (options.checkpointInterval > 0 || !options.resumeFile.empty())
     scene = sceneOf(runner.job(), prepared.title);
-  if (!options.resumeFile.empty()) runner.resume(readCheckpoint(options.resumeFile, scene));
+  if (!options.resumeFile.empty()) resume(runner, options.resumeFile, scene);
   // steps are counted from the start of the run that the checkpoint is of
   const int taken = static_cast<int>(runner.world().stepCount());
   if (taken > 0 && taken >= prepared.steps)
@@ -191,7 +201,7 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
         recorder.record(runner.world());
         sensors.write(runner.world());
         if (options.checkpointInterval > 0 && (taken + step + 1) % options.checkpointInterval == 0)
-          writeCheckpoint(options.checkpointFile, scene, world);
+          writeCheckpoint(options.checkpointFile, scene, runner);
         takePictures(world, taken + step + 1);
         progress.update(step + 1, report.totalMs);
         return true;

@@ -12,7 +12,7 @@ constexpr std::int64_t kFirstSpacing = 5;  // steps
 
 }  // namespace
 
-void History::begin(std::vector<Snapshot> start, std::size_t bytes) {
+void History::begin(std::vector<Checkpoint> start, std::size_t bytes) {
   maxCheckpoints_ = std::clamp(kMostBytes / std::max<std::size_t>(1, bytes), kMinCheckpoints,
                                kMaxCheckpoints);
   spacing_ = kFirstSpacing;
@@ -57,7 +57,7 @@ bool History::wantsCheckpoint(std::int64_t step) const {
   return step % spacing_ == 0 && !branch().checkpoints.contains(step);
 }
 
-void History::keep(std::int64_t step, std::vector<Snapshot> worlds) {
+void History::keep(std::int64_t step, std::vector<Checkpoint> worlds) {
   auto& checkpoints = own().checkpoints;
   checkpoints[step] = std::move(worlds);
   while (checkpoints.size() > maxCheckpoints_) {
@@ -66,7 +66,7 @@ void History::keep(std::int64_t step, std::vector<Snapshot> worlds) {
   }
 }
 
-const std::pair<const std::int64_t, std::vector<Snapshot>>& History::before(std::int64_t step) const {
+const std::pair<const std::int64_t, std::vector<Checkpoint>>& History::before(std::int64_t step) const {
   return *std::prev(branch().checkpoints.upper_bound(step));
 }
 

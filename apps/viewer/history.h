@@ -18,20 +18,26 @@ struct Input {
   std::function<void(World&)> apply;
 };
 
+/// State of a world and of its actuators.
+struct Checkpoint {
+  Snapshot world;
+  std::vector<double> activations;
+};
+
 struct Branch {
   std::string name;
   int parent = -1;
   std::int64_t begins = 0;    ///< step at which it leaves its parent
   std::int64_t last = 0;      ///< last step reached
   std::vector<Input> inputs;  ///< from the start of the scene on, in order
-  std::map<std::int64_t, std::vector<Snapshot>>
-      checkpoints;  ///< one snapshot per world, before the inputs of that step
+  std::map<std::int64_t, std::vector<Checkpoint>>
+      checkpoints;  ///< one per world, before the inputs of that step
 };
 
 class History {
  public:
   /// `bytes`: of a snapshot of all worlds; how many are kept follows from it.
-  void begin(std::vector<Snapshot> start, std::size_t bytes);
+  void begin(std::vector<Checkpoint> start, std::size_t bytes);
 
   const std::vector<Branch>& branches() const { return branches_; }
   const Branch& branch() const { return branches_[static_cast<std::size_t>(current_)]; }
@@ -46,9 +52,9 @@ class History {
   /// Should a snapshot be taken at this step?
   bool wantsCheckpoint(std::int64_t step) const;
   void reached(std::int64_t step) { own().last = std::max(own().last, step); }
-  void keep(std::int64_t step, std::vector<Snapshot> worlds);
+  void keep(std::int64_t step, std::vector<Checkpoint> worlds);
   /// The latest checkpoint at or before a step.
-  const std::pair<const std::int64_t, std::vector<Snapshot>>& before(std::int64_t step) const;
+  const std::pair<const std::int64_t, std::vector<Checkpoint>>& before(std::int64_t step) const;
   /// The worlds are restored to the checkpoint of this step; earlier inputs count as applied.
   void rewound(std::int64_t step);
 

@@ -8,9 +8,12 @@ namespace {
 
 constexpr std::size_t kRecordsKept = 240;  // steps
 
-std::vector<Snapshot> snapshotsOf(const std::vector<std::unique_ptr<scenes::Runner>>& runners) {
-  std::vector<Snapshot> out;
-  for (const auto& runner : runners) out.push_back(runner->world().snapshot());
+std::vector<Checkpoint> snapshotsOf(const std::vector<std::unique_ptr<scenes::Runner>>& runners) {
+  std::vector<Checkpoint> out;
+  for (const auto& runner : runners) {
+    const std::span<const double> activations = runner->actuators().activations();
+    out.push_back({runner->world().snapshot(), {activations.begin(), activations.end()}});
+  }
   return out;
 }
 
@@ -58,7 +61,10 @@ bool Player::step() {
 
 void Player::restore(std::int64_t step) {
   const auto& [at, worlds] = history_.before(step);
-  for (std::size_t side = 0; side < runners_.size(); ++side) runners_[side]->world().restore(worlds[side]);
+  for (std::size_t side = 0; side < runners_.size(); ++side) {
+    runners_[side]->world().restore(worlds[side].world);
+    std::ranges::copy(worlds[side].activations, runners_[side]->actuators().activations().begin());
+  }
   history_.rewound(at);
   records_.clear();
 }

@@ -14,6 +14,7 @@ axis is built in as up. Definitions have the keys of scene files.
 import os
 from typing import Any, Union
 
+from ._actuators import Actuators
 from ._arrays import Array, DeviceArray
 from ._bodies import Bodies, Body, ContactLoad, Shape, Shapes
 from ._joints import AxisState, Joint, Joints, JointState
@@ -46,8 +47,8 @@ def load(file: Union[str, os.PathLike[str]], **options: Any) -> Scene:
 
 __version__: str = info()["version"]
 __all__ = [
-    "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim", "ContactLoad",
-    "DebugDraw", "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Frame", "Hit", "Joint",
+    "Actuators", "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim",
+    "ContactLoad", "DebugDraw", "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Frame", "Hit", "Joint",
     "JointState", "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording", "Rod", "Run",
     "Scene", "SceneInfo", "Sensors", "Shape", "Shapes", "Snapshot", "StepReport", "Surface", "Verdict",
     "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet", "compound", "cone", "cylinder",

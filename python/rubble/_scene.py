@@ -108,7 +108,7 @@ class Scene:
 
     def add(self, list: str, definition: Any) -> int:
         """Adds an element to "bodies", "joints", "deformables", "attachments", "exclusions", "events",
-        "sensors", "looks", "cameras", "material_pairs" or "verdict". Returns its index."""
+        "sensors", "actuators", "looks", "cameras", "material_pairs" or "verdict". Returns its index."""
         out = ctypes.c_int64()
         check(lib.rb_scene_add(self._pointer, list.encode(), encode(definition), ctypes.byref(out)))
         return out.value
@@ -148,6 +148,11 @@ class Scene:
         """A sensor for `rubble.Sensors`: type ("acceleration", "touch", "joint_position" and others), name,
         body, position, orientation, joint, axis, volume and other keys of scene files."""
         return self.add("sensors", {"type": type, **fields})
+
+    def add_actuator(self, type: str, **fields: Any) -> int:
+        """An actuator for `rubble.Actuators`: type ("force", "position", "muscle", "wrench" and others), name,
+        joint, axis, body, gain, dynamics and other keys of scene files."""
+        return self.add("actuators", {"type": type, **fields})
 
     def exclude(self, a: Union[str, int], b: Union[str, int]) -> int:
         """Two bodies that do not collide."""

@@ -21,7 +21,7 @@ namespace rubble::RUBBLE_CORE {
 /// appearance.
 using JointKinds = TypeList<BallKind, DragKind, FixedKind, AngularSpringKind, HingeKind, SliderKind,
                             DistanceKind, RopeKind, SpringKind, UniversalKind, SwingTwistKind, SixDofKind,
-                            GearKind, RackKind, PulleyKind, TendonKind RUBBLE_EXTRA_JOINTS>;
+                            GearKind, RackKind, PulleyKind, TendonKind, GimbalKind RUBBLE_EXTRA_JOINTS>;
 
 template <class List> struct JointsOf;
 template <class... K> struct JointsOf<TypeList<K...>> { using Type = Unique<typename K::Joint...>; };

@@ -25,15 +25,15 @@ class Import(unittest.TestCase):
             self.assertEqual(rubble("check", scene).returncode, 0)
 
     def test_the_report_is_json_if_wanted(self):
-        done = rubble("import", MODELS / "adhesion.xml", "--key", "holds", "-q", "--json", "-")
+        done = rubble("import", MODELS / "user_law.xml", "-q", "--json", "-")
         report = json.loads(done.stdout)
         self.assertEqual(report["format"], "MJCF")
         self.assertFalse(report["exact"])
-        note = next(note for note in report["notes"] if note["what"] == "adhesion 'grip'")
-        self.assertEqual((note["effect"], note["file"]), ("lost", "adhesion.xml"))
+        note = next(note for note in report["notes"] if note["what"] == "general 'grip'")
+        self.assertEqual((note["effect"], note["file"]), ("lost", "user_law.xml"))
 
     def test_strict_refuses_what_is_not_exact(self):
-        held = rubble("import", MODELS / "adhesion.xml", "--key", "holds", "--strict")
+        held = rubble("import", MODELS / "user_law.xml", "--strict")
         self.assertEqual(held.returncode, 2)
         self.assertEqual(rubble("import", MODELS / "pendulum.xml", "--strict").returncode, 0)
 

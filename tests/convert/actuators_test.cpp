@@ -2,6 +2,7 @@
 #include <cmath>
 #include <random>
 
+#include <rubble/actuators.h>
 #include <rubble/world.h>
 
 #include "io/picture.h"
@@ -13,8 +14,10 @@ namespace {
 
 using convert::Effect;
 using convert::Import;
+using test::actuatorNamed;
 using test::bodyNamed;
 using test::effectsOf;
+using test::expectNear;
 using test::importText;
 using test::jointNamed;
 using test::mjcf;
@@ -34,7 +37,8 @@ BodyState afterHalfASecond(const Import& model, const std::string& body) {
   options.threads = 1;
   options.params.dt = 1. / 2000;
   World world(model.file.scene, options);
-  for (int step = 0; step < 1000; ++step) world.step();
+  Actuators actuators(model.file.actuators, world);
+  for (int step = 0; step < 1000; ++step) actuators.apply(world), world.step();
   return world.state(world.findBody(body));
 }
 
@@ -74,16 +78,19 @@ TEST(Actuators, ThoseOfSitesOfAnAttachedModelActOnItsBodies) {
                        "<asset><model name='drone' file='drone.xml'/></asset>"
                        "<actuator><motor name='push' joint='p_f' gear='1 0 0 0 0 0'/></actuator>")));
   EXPECT_EQ(model.report.count(Effect::Lost), 0u) << convert::textOf(model.report, true);
-  for (const char* name : {"p_up", "p_pull", "push"}) {
+  const ActuatorDef& up = actuatorNamed(model, "p_up");
+  EXPECT_EQ(model.file.scene.bodies[static_cast<std::size_t>(up.body)].name, "p_a");
+  expectNear(up.position, {0.1, 0, 0});
+  expectNear(up.force, {0, 0, 1});
+  for (const char* name : {"p_pull", "push"}) {
     const JointDef& joint = jointNamed(model, name);
     EXPECT_EQ(model.file.scene.bodies[static_cast<std::size_t>(joint.bodyA)].name, "p_a") << name;
     const auto& terms = std::any_cast<const TendonFields&>(joint.own).terms;
     ASSERT_EQ(terms.size(), 13u);
     EXPECT_NEAR(terms[6], name == std::string("push") ? 0 : 0.1, 1e-12);
     // in the frame of the body: the frame that it is attached to is turned
-    const Vec3 axis{terms[3], terms[4], terms[5]}, wanted = name == std::string("p_up")     ? Vec3{0, 0, 1}
-                                                            : name == std::string("p_pull") ? Vec3{1, 0, 0}
-                                                                                            : Vec3{0, -1, 0};
+    const Vec3 axis{terms[3], terms[4], terms[5]},
+        wanted = name == std::string("p_pull") ? Vec3{1, 0, 0} : Vec3{0, -1, 0};
     EXPECT_LT(length(axis - wanted), 1e-9) << name;
   }
 }
@@ -147,20 +154,77 @@ TEST(Actuators, ADampingRatioIsOfTheMassThatTheActuatorMoves) {
 }
 
 TEST(Actuators, AMuscleOfUnknownForceIsScaledByTheMassThatItMoves) {
-  const auto force = [](double mass) {
+  const auto muscle = [](double mass) {
     const Import model = importWith(
         "<body><joint name='j' type='slide'/><geom size='0.1' mass='" + std::to_string(mass) + "'/></body>",
         "<actuator><muscle joint='j' lengthrange='-1 1'/></actuator>", "0");
-    return jointNamed(model, "j").axes[0];
+    return model.file.actuators.at(0).muscle;
   };
-  EXPECT_NEAR(force(6).driveStiffness, 2 * force(3).driveStiffness, 1e-9);
+  EXPECT_NEAR(muscle(6).peakForce, 2 * muscle(3).peakForce, 1e-9);
+  EXPECT_NEAR(muscle(3).peakForce, 200 * 3, 1e-9);
 }
 
-TEST(Actuators, AdhesionIsLostOnlyWhereItPulls) {
-  const std::string body = "<body name='b'><freejoint/><geom size='0.1'/></body>",
-                    actuator = "<actuator><adhesion body='b' ctrlrange='0 1' gain='5'/></actuator>";
-  EXPECT_EQ(importWith(body, actuator, "0").report.count(Effect::Lost), 0u);
-  EXPECT_EQ(importWith(body, actuator, "1").report.count(Effect::Lost), 1u);
+TEST(Actuators, AdhesionPullsItsBodyWithGainTimesControl) {
+  const Import model = importWith("<body name='b'><freejoint/><geom size='0.1'/></body>",
+                                  "<actuator><adhesion body='b' ctrlrange='0 1' gain='5'/></actuator>", "3");
+  EXPECT_EQ(model.report.count(Effect::Lost), 0u) << convert::textOf(model.report, true);
+  const ActuatorDef& pull = model.file.actuators.at(0);
+  EXPECT_EQ(pull.type, ActuatorType::Adhesion);
+  EXPECT_EQ(model.file.scene.bodies[static_cast<std::size_t>(pull.body)].name, "b");
+  EXPECT_DOUBLE_EQ(pull.gain.x, 5);
+  EXPECT_DOUBLE_EQ(pull.control, 1);
+}
+
+/// A tendon over one hinge is shortest and longest at its limits, or where it is stretched out.
+TEST(Actuators, AMuscleWithoutALengthRangeHasThatWithinTheLimitsOfItsJoints) {
+  const auto muscleOf = [](const std::string& range) {
+    return importText(mjcf("<site name='a' pos='-1 0 0'/><body><joint name='j' axis='0 0 1' range='" + range +
+                               "'/><geom size='0.1'/><site name='b' pos='1 0 0'/></body>",
+                           "<tendon><spatial name='t'><site site='a'/><site site='b'/></spatial></tendon>"
+                           "<actuator><muscle tendon='t' range='0.5 1' force='9'/></actuator>"))
+        .file.actuators.at(0)
+        .muscle;
+  };
+  const auto length = [](double degrees) { return 2 * std::cos(degrees * std::acos(-1.) / 360); };
+  EXPECT_NEAR(muscleOf("30 90").optimalLength, (length(30) - length(90)) / 0.5, 1e-6);
+  EXPECT_NEAR(muscleOf("-40 90").optimalLength, (length(0) - length(90)) / 0.5, 1e-6);
+}
+
+TEST(Actuators, ThoseOfTheScenesFilesAreWhatTheyWere) {
+  const Import model = importWith(
+      "<body name='b'><joint name='j' range='-1 1'/><geom size='0.1' mass='2'/><site name='s'/></body>",
+      "<actuator><muscle name='m' joint='j' force='7' timeconst='0.02 0.05'/>"
+      "<position name='p' joint='j' kp='3' timeconst='0.1' inheritrange='0.5'/>"
+      "<motor name='r' site='s' gear='0 1 2 0 3 0' ctrlrange='-1 2'/>"
+      "<adhesion name='a' body='b' ctrlrange='0 1'/></actuator>",
+      "0.3 2 0.4 0.5");
+  std::vector<io::Fault> faults;
+  const std::string text = io::toJson(model.file);
+  const io::SceneFile read = io::parseScene(text, faults);
+  EXPECT_TRUE(faults.empty()) << io::faultText("scene", faults);
+  ASSERT_EQ(read.actuators.size(), 4u);
+  EXPECT_EQ(io::toJson(read), text);
+  EXPECT_NEAR(read.actuators[1].maxControl, 0.5 * std::acos(-1.) / 180, 1e-12);
+}
+
+TEST(Actuators, ThreeHingesOfABodyHaveTheirAnglesAsCoordinates) {
+  const Import model = importText(
+      mjcf("<body name='b'><joint name='x' axis='1 0 0' range='-90 90'/><joint name='z' axis='0 0 1' "
+           "range='-70 70'/><joint name='y' axis='0 1 0'/><geom pos='0.3 0.1 0' size='0.1' mass='2'/></body>",
+           "<keyframe><key name='k' qpos='0.5 -0.9 1.2'/></keyframe>"),
+      "model.xml", [] {
+        convert::ImportOptions options;
+        options.key = "k";
+        return options;
+      }());
+  EXPECT_EQ(model.report.count(Effect::Approximate), 0u) << convert::textOf(model.report, true);
+  const World world(model.file.scene, {});
+  const JointState state = world.state(world.joints()[0]);
+  EXPECT_STREQ(keyword(jointNamed(model, "x+z+y").type), "gimbal");
+  // outer, middle and inner hinge are about z, y and x of the joint, the middle one in either direction
+  EXPECT_NEAR(state.axes[5].position, 0.5, 1e-5);
+  EXPECT_NEAR(std::fabs(state.axes[4].position), 0.9, 1e-5);
+  EXPECT_NEAR(state.axes[3].position, 1.2, 1e-5);
 }
 
 TEST(Actuators, ALimitSofterThanUsualHasItsStiffnessAndDampingRatio) {

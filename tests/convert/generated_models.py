@@ -131,7 +131,9 @@ class Generator:
             f'<general joint="{joint}" gainprm="50" biastype="affine" biasprm="0 -50 -3" ctrlrange="-2 2"/>',
             f'<general joint="{joint}" dyntype="filter" dynprm="0.05" gainprm="10"/>',
             f'<intvelocity joint="{joint}" kp="50" actrange="-1 1"/>',
-            f'<cylinder joint="{joint}" timeconst="0.1" area="0.01" ctrlrange="0 1"/>', "")
+            f'<cylinder joint="{joint}" timeconst="0.1" area="0.01" ctrlrange="0 1"/>',
+            f'<muscle joint="{joint}" force="{self.number(1, 9)}" lengthrange="-1 1" ctrlrange="0 1"/>',
+            f'<damper joint="{joint}" kv="2" ctrlrange="0 1"/>', "")
 
     def relations(self):
         actuators = "".join(self.actuator(joint) for joint in self.joints)

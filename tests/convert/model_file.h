@@ -74,6 +74,12 @@ inline const JointDef& jointNamed(const convert::Import& import, const std::stri
   if (found == joints.end()) throw Error("joints", "a joint of that name", name);
   return *found;
 }
+inline const ActuatorDef& actuatorNamed(const convert::Import& import, const std::string& name) {
+  const auto& all = import.file.actuators;
+  const auto found = std::ranges::find(all, name, &ActuatorDef::name);
+  if (found == all.end()) throw Error("actuators", "an actuator of that name", name);
+  return *found;
+}
 /// Do two bodies collide by their filters?
 inline bool collide(const convert::Import& model, const std::string& first, const std::string& second) {
   const CollisionFilter &a = bodyNamed(model, first).filter, &b = bodyNamed(model, second).filter;

@@ -125,6 +125,8 @@ def compare_joints(model, data, scene, name):
         for i in range(model.nu):
             if model.actuator_trntype[i] != mujoco.mjtTrn.mjTRN_JOINT or model.actuator_trnid[i, 0] != index:
                 continue
+            if model.actuator_gaintype[i] != mujoco.mjtGain.mjGAIN_FIXED:  # no drive
+                continue
             gear, bias = model.actuator_gear[i, 0], model.actuator_biasprm[i]
             stiffness, damping = stiffness - gear ** 2 * bias[1], damping - gear ** 2 * bias[2]
             motor += gear * bias[0] if bias[1] == 0 and bias[2] == 0 else 0
@@ -324,14 +326,16 @@ def compare_push(rubble, name, impulse, folder):
         problems.append(f"{name} pushed by {impulse}: {own:.2f} of its height here, {theirs:.2f} in MuJoCo")
 
 
-def compare_motion(rubble, name, bodies, size, folder):
+def compare_motion(rubble, name, bodies, size, folder, key=None):
     """Largest distance from MuJoCo over two seconds, over the size of the mechanism."""
     file = MODELS / (name + ".xml")
-    scene = import_scene(rubble, file, folder)
+    scene = import_scene(rubble, file, folder, *(["--key", key] if key else []))
     model = mujoco.MjModel.from_xml_path(str(file))
     model.opt.timestep, model.opt.integrator = 1e-4, mujoco.mjtIntegrator.mjINT_RK4
     model.eq_solref[:], model.eq_solimp[:, :2] = [2.5e-4, 1], 0.9999
     data = mujoco.MjData(model)
+    if key:
+        mujoco.mj_resetDataKeyframe(model, data, model.key(key).id)
     dt, worst = 1 / 8000, 0.0
     for moment in (0.25, 0.5, 1.0, 1.5, 2.0):
         while data.time < moment - 5e-5:
@@ -435,12 +439,17 @@ def main():
             compare_motion(rubble, "wrapped", ["arm", "fore", "load", "bob"], 0.4, folder)
             compare_motion(rubble, "two_tendons", ["a", "b", "c", "d"], 0.6, folder)
             compare_motion(rubble, "telescope", ["s1", "s4", "h1", "h4"], 0.4, folder)
+            compare_motion(rubble, "gimbals", ["thigh", "foot", "arm"], 0.5, folder, "away")
+            compare_motion(rubble, "muscle_arm", ["upper", "fore"], 0.55, folder, "lift")
+            compare_motion(rubble, "filters", [*"abcdefg"], 1.0, folder, "on")
+            compare_motion(rubble, "rotors", ["craft"], 1.0, folder, "fly")
             compare_motion(rubble, "cable", ["link2", "link6", "link11"], 0.96, folder)
             if HAS_COMPOSITES:
                 compare_motion(rubble, "composite_cable", ["cB_1", "cB_5", "cB_last"], 1.0, folder)
             compare_sensors(rubble, "sensors", folder)
             compare_rest(rubble, "soft_limits", "", ["slide", "flap", "tip", "a", "b", "ball"], folder)
             compare_rest(rubble, "drone", "hover", ["drone"], folder)
+            compare_rest(rubble, "hanging", "hold", ["box"], folder)
             compare_rest(rubble, "gripper", "half", ["left_follower", "right_follower"], folder, most=1e-3)
             for impulse in ([50, 0], [0, 50], [10, 0], [0, 10]):
                 compare_push(rubble, "standing_humanoid", impulse, folder)

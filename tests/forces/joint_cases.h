@@ -43,6 +43,13 @@ template <class F> JointCase<F> randomJointCase(test::Random& random) {
     do d.frameA = frameNear(random, x.b.q * d.frameB, x.a.q);
     while (std::fabs(rotate(conjugate(x.b.q * d.frameB) * x.a.q * d.frameA, Vec3{1, 0, 0}).x) > .95);
   }
+  if constexpr (requires { d.isGimbal; }) {
+    d.isGimbal = random.uniform(0, 1) < .5;
+    // not with the outer axes parallel, where a turn is about both
+    while (d.isGimbal &&
+           std::fabs(rotate(conjugate(x.b.q * d.frameB) * x.a.q * d.frameA, Vec3{1, 0, 0}).z) > .8)
+      d.frameA = frameNear(random, x.b.q * d.frameB, x.a.q);
+  }
   if constexpr (requires { d.baseB; }) {
     d.baseB = random.rotation();
     d.frameB = frameNear(random, x.b.frameBody.q * d.baseB, x.b.q);

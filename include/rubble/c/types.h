@@ -46,6 +46,7 @@ typedef struct rb_recorder rb_recorder;
 typedef struct rb_recording rb_recording;
 typedef struct rb_painter rb_painter;
 typedef struct rb_sensors rb_sensors;
+typedef struct rb_actuators rb_actuators;
 
 /// Ids: slot index and generation. Index -1: none, or the static world.
 typedef struct rb_body_id {

@@ -307,6 +307,19 @@ RB_API rb_status rb_sensors_list(const rb_sensors* sensors, const char** json);
 /// sensors are valid until the next call; `values` and `count` may be null.
 RB_API rb_status rb_sensors_update(rb_sensors* sensors, const double** values, int64_t* count);
 
+/// The actuators of a scene ("actuators" of scene files, and those of imported models), for a new world of
+/// that scene. They keep the world alive.
+RB_API rb_status rb_actuators_create(const rb_scene* scene, rb_world* world, rb_actuators** actuators);
+RB_API void rb_actuators_destroy(rb_actuators* actuators);
+/// "name", "type" and "dynamics" of each actuator, as a JSON list.
+RB_API rb_status rb_actuators_list(const rb_actuators* actuators, const char** json);
+/// A number for each actuator, valid while they exist: controls and activations, which may be written, and
+/// what each did in the last rb_actuators_apply(). Any may be null.
+RB_API rb_status rb_actuators_arrays(rb_actuators* actuators, double** controls, double** activations,
+                                     const double** forces);
+/// Acts on the world for its next step, and advances the activations by its time. Call it before each step.
+RB_API rb_status rb_actuators_apply(rb_actuators* actuators);
+
 /// The world as colored lines, triangles and texts. `options`: JSON object, or null: "surfaces" (true unless
 /// given), "edges", "contacts", "joints", "bounds", "names" (false unless given), "force_scale" [m/N],
 /// "plane_size" [m], "segments".
