@@ -157,16 +157,18 @@ void addRankOptions(CLI::App& app, JobOptions& options) {
          "Ranks of the backend 'distributed', as threads; 0: the processes that were started together")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--gpus", options.gpus,
-                 "GPUs that step the world together, in place of a backend; of several processes each has one")
+  app.add_option(
+         "--gpus", options.gpus,
+         "GPUs that step the world together, in place of a backend; of several processes each has one")
       ->check(aboveZero());
-  app.add_option("--exchange", options.exchange,
-                 "What ranks exchange: messages, stores into one another's memory, or letters that say what to "
-                 "store (default: messages; between GPUs of one process stores, of several letters)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, RankExchange>{
-          {"messages", RankExchange::Messages},
-          {"stores", RankExchange::Stores},
-          {"letters", RankExchange::Letters}}));
+  app.add_option(
+         "--exchange", options.exchange,
+         "What ranks exchange: messages, stores into one another's memory, or letters that say what to "
+         "store (default: messages; between GPUs of one process stores, of several letters)")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, RankExchange>{{"messages", RankExchange::Messages},
+                                                                      {"stores", RankExchange::Stores},
+                                                                      {"letters", RankExchange::Letters}}));
 }
 
 std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare) {

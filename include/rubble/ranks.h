@@ -25,8 +25,8 @@ struct RankOptions {
   RankExchange exchange = RankExchange::Messages;
   /// GPUs of this process that step the world together, one rank each; one that is named twice has two ranks.
   /// `count` does not matter then, and they store into one another's memory unless `exchange` is Letters. Of
-  /// several processes each names one GPU, counted round those that it sees, and letters go between them. Empty:
-  /// ranks are on the CPU.
+  /// several processes each names one GPU, counted round those that it sees, and letters go between them.
+  /// Empty: ranks are on the CPU.
   std::vector<int> devices = {};
   /// Letters between GPUs go through NCCL, if its library is found and each rank has a GPU of its own. Else
   /// they go through the host.

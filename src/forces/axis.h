@@ -207,10 +207,11 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma,
                    spec.limitStiffness * beyondRoundOff(beyond, absOf(at.value) + at.length), at.bound);
       if (dormant) limit.active = kWatched;
-      // as for contacts: the multiplier of an impact is many times the subsequent load
-      rows.impact = c.impactRule && hard && !locked &&
-                    absOf(at.change) * c.inverseDt * at.reach > impactSpeed(c, at.size) &&
-                    !inside(at.value + at.change);
+      // As for contacts: the multiplier of an impact is many times the subsequent load. A limit without load
+      // that is reached in this step is in an impact, also where a contact accelerates the joint within it.
+      const bool hits = absOf(at.change) * c.inverseDt * at.reach > impactSpeed(c, at.size) &&
+                        !inside(at.value + at.change);
+      rows.impact = c.impactRule && hard && !locked && (dormant || hits);
       rows.beforeImpact = before;
     }
   } else {

@@ -58,7 +58,6 @@ TEST(Distance, OfCrossingAxesIsThatOfTheirRadii) {
   EXPECT_NEAR(separation(a, b).distance, -.2, 1e-7);
 }
 
-/// For fast-spinning bodies the time of impact is neither missed nor invented.
 /// Spheres in contact go as deep as they may and no deeper, however fast they spin.
 TEST(TimeOfImpact, OfSpheresInContactDoesNotDependOnTheirSpin) {
   Random random(9);
@@ -81,6 +80,7 @@ TEST(TimeOfImpact, OfSpheresInContactDoesNotDependOnTheirSpin) {
   EXPECT_GT(deeper, 20);
 }
 
+/// For fast-spinning bodies the time of impact is neither missed nor invented.
 TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
   constexpr int kSamples = 2000;
   constexpr double kTolerance = 1e-3;

@@ -100,8 +100,8 @@ TEST_P(CudaLettersScene, HasTheBitsOfOneGpu) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, CudaLettersScene,
-                         testing::Values("pile-1k", "ring-5k", "chains", "ragdolls", "break-row", "bounce-ladder",
-                                         "bullet-plate", "rolling", "soft-blocks"),
+                         testing::Values("pile-1k", "ring-5k", "chains", "ragdolls", "break-row",
+                                         "bounce-ladder", "bullet-plate", "rolling", "soft-blocks"),
                          [](const auto& info) {
                            std::string name = info.param;
                            std::erase_if(name, [](unsigned char c) { return !std::isalnum(c); });

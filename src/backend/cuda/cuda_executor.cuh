@@ -301,7 +301,6 @@ class CudaExecutor : private ScanLauncher {
   void forEachColor(const SolveBody<Real>&, const SolveVertex&) {
     announce(SolveBody<Real>::kStage, kernelName<SolveBody<Real>>());
     if (peers_) peers_->beginColors(options_.colors), keepOwnHighDegree();
-    // with peers each color is an operation, and so is what follows it
     if ((!peers_ && !begins()) || view().bodies + view().vertices == 0) return;
     enterStage(SolveBody<Real>::kStage);
     if constexpr (kStrict) {
@@ -323,7 +322,7 @@ class CudaExecutor : private ScanLauncher {
     // one starts after everything else has ended.
     afterKernel_ = false;
     for (int c = 0; c < options_.colors; ++c) {
-      const bool begun = !peers_ || begins();
+      const bool begun = !peers_ || begins();  // with peers each color is an operation
       if (begun && bodies)
         solveColorsFrom(c, kHighDegreeBlocks + vertexBlocks + bodyBlocks, {kHighDegreeBlocks, vertexBlocks});
       else if (begun && view().vertices > 0)

@@ -132,10 +132,9 @@ void CudaLetters::exchange(int kind, int operation, Control* control) {
     carryByHost(bytes);
   const int room = room_[static_cast<std::size_t>(kind)];
   const int blocks = std::clamp(room / kThreads, 1, kDeliveryBlocks);
-  deliverLetters<<<blocks, kThreads, 0, stream_>>>(boxes_, in_.data(),
-                                                   static_cast<std::size_t>(boxIn(in_, 1) - boxIn(in_, 0)),
-                                                   rank, ranks, room, operation, kLackingLetters - kind,
-                                                   control);
+  deliverLetters<<<blocks, kThreads, 0, stream_>>>(
+      boxes_, in_.data(), static_cast<std::size_t>(boxIn(in_, 1) - boxIn(in_, 0)), rank, ranks, room,
+      operation, kLackingLetters - kind, control);
   checkCuda(cudaGetLastError(), "letters");
 }
 
@@ -198,8 +197,8 @@ void CudaLetters::await(double seconds) {
       nccl_->check();
       transport_.requireAll();
       if (std::chrono::duration<double>(now - begin).count() > seconds)
-        throw RankFailure("rank " + std::to_string(transport_.rank()) +
-                          " has waited for letters for " + std::to_string(static_cast<int>(seconds)) + " s");
+        throw RankFailure("rank " + std::to_string(transport_.rank()) + " has waited for letters for " +
+                          std::to_string(static_cast<int>(seconds)) + " s");
     } catch (...) {
       nccl_->abort();
       throw;

@@ -1,8 +1,8 @@
 #pragma once
-/// Letters between GPUs that do not reach one another's memory (backend/peers/peer_letters.h): the boxes of one
-/// rank on its device, and what carries them. NCCL does, in the order of the stream, if its library is there and
-/// each rank has a GPU of its own. Else the transport of the host does, which waits for the device at each
-/// exchange. This header is plain host code.
+/// Letters between GPUs that do not reach one another's memory (backend/peers/peer_letters.h): the boxes of
+/// one rank on its device, and what carries them. NCCL does, in the order of the stream, if its library is
+/// there and each rank has a GPU of its own. Else the transport of the host does, which waits for the device
+/// at each exchange. This header is plain host code.
 #include <memory>
 #include <vector>
 

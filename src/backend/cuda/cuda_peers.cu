@@ -134,8 +134,8 @@ struct CudaPeers::Impl {
   double timeout;                        ///< [s]
   std::unique_ptr<CudaLetters> letters;  ///< null: GPUs reach one another's memory
   KeptBuffer cut, owner, ownerBefore, moves, movesBefore, seen, seenBy, sliceOwner, sees, mixed, extraRow,
-      extraJoint[JointTypes::kSize], rowAskers, jointAskers[JointTypes::kSize], sums, lists[kPeerLists], listed,
-      at, signals;
+      extraJoint[JointTypes::kSize], rowAskers, jointAskers[JointTypes::kSize], sums, lists[kPeerLists],
+      listed, at, signals;
 
   /// Flags that all GPUs see, and access to one another's memory.
   void connect(int rank, int ranks);

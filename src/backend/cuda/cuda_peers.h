@@ -34,8 +34,8 @@ class CudaPeers {
   void awaitAll();
   /// Every kernel of a step has run.
   void hasStepped() { isLoaded_ = true; }
-  /// For a step that has stopped for something that is not a table: makes room for letters. Throws RankFailure
-  /// if a device did not answer. Returns what there is more room for, or null: it is a table.
+  /// For a step that has stopped for something that is not a table: makes room for letters. Throws
+  /// RankFailure if a device did not answer. Returns what there is more room for, or null: it is a table.
   const char* makeRoom(int lacking, int needed);
   /// Waits for the end of the work under way.
   void await();

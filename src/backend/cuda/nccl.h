@@ -1,5 +1,6 @@
 #pragma once
-/// NCCL, if its library is on this machine. It is loaded when it is asked for, so that programs run without it.
+/// NCCL, if its library is on this machine. It is loaded when it is asked for, so that programs run without
+/// it.
 #include <cuda_runtime_api.h>
 
 #include <array>

@@ -78,14 +78,14 @@ struct PeerData {
   /// [aggregates] 1: other ranks have a slice of it or see a body that it moves. Sums of all others stay
   /// here.
   std::uint8_t* mixed = nullptr;
-  std::uint8_t* extraRow = nullptr;                  ///< [rows] 1: evaluated for a slice alone
-  std::uint8_t* extraJoint[JointTypes::kSize] = {};  ///< [joints] the same
-  std::uint8_t* rowAskers = nullptr;                 ///< [rows][ranks] 1: that rank asks for an own row
+  std::uint8_t* extraRow = nullptr;                   ///< [rows] 1: evaluated for a slice alone
+  std::uint8_t* extraJoint[JointTypes::kSize] = {};   ///< [joints] the same
+  std::uint8_t* rowAskers = nullptr;                  ///< [rows][ranks] 1: that rank asks for an own row
   std::uint8_t* jointAskers[JointTypes::kSize] = {};  ///< [joints][ranks] the same
-  PeerSums* sums = nullptr;                          ///< [ranks]
-  PeerBox* box = nullptr;  ///< [ranks] letters to each rank; null: ranks reach one another's memory
-  int* list[kPeerLists] = {};                        ///< indices; on CPUs ascending
-  int* listed = nullptr;                             ///< [lists] how many
+  PeerSums* sums = nullptr;                           ///< [ranks]
+  PeerBox* box = nullptr;      ///< [ranks] letters to each rank; null: ranks reach one another's memory
+  int* list[kPeerLists] = {};  ///< indices; on CPUs ascending
+  int* listed = nullptr;       ///< [lists] how many
 
   RUBBLE_HD bool isMine(int body) const { return body == rank || body == kEveryPeer; }
   /// Does this rank count an element of that owner?

@@ -44,8 +44,7 @@ struct ShareRow : PeerPost {
 struct ShareWhetherBouncing : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int) const {
     p.sums[p.rank].bounces = s.counters->bounces;
-    forEachPeer(p,
-                [&](const PeerTables& to) { to.put(to.p.sums[p.rank].bounces, p.sums[p.rank].bounces); });
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.p.sums[p.rank].bounces, p.sums[p.rank].bounces); });
   }
 };
 struct TakeWhetherBouncing : PeerKernel {

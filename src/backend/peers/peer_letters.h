@@ -1,8 +1,8 @@
 #pragma once
-/// Stores into the tables of a rank whose memory is out of reach: GPUs of several processes or hosts. A letter
-/// says where a few bytes go. Each rank collects the letters to each other one, and the barrier exchanges and
-/// delivers them. Letters that exceed the room of a box are counted and not kept: the kernels that post them
-/// run again with more room.
+/// Stores into the tables of a rank whose memory is out of reach: GPUs of several processes or hosts. A
+/// letter says where a few bytes go. Each rank collects the letters to each other one, and the barrier
+/// exchanges and delivers them. Letters that exceed the room of a box are counted and not kept: the kernels
+/// that post them run again with more room.
 #include <cstdint>
 #include <cstring>
 
@@ -51,9 +51,8 @@ struct PeerBox {
   template <class Word, unsigned size, class T> RUBBLE_HD void postAs(std::uint64_t address, const T& value) {
     constexpr int kWords = static_cast<int>(sizeof(T) / sizeof(Word));
     const int at = atomicCount(&head->count, kWords);
-#if !defined(__CUDA_ARCH__)
-    if (at + kWords > room && grow) grow(*this, at + kWords);
-#endif
+    if constexpr (!RUBBLE_DEVICE_CODE)
+      if (at + kWords > room && grow) grow(*this, at + kWords);
     if (at + kWords > room) return;
     for (int k = 0; k < kWords; ++k) {
       Word word;

@@ -11,8 +11,8 @@
 ///   kCountsNear               counters count near elements, and not only those that this rank counts
 ///
 /// A rank may be one interval between barriers ahead of another. Each exchange says why nobody reads in the
-/// interval what it stores. Kernels that store (kPosts) come last before a barrier: where letters lack room, they
-/// alone run again.
+/// interval what it stores. Kernels that store (kPosts) come last before a barrier: where letters lack room,
+/// they alone run again.
 #include "backend/division.h"
 #include "backend/peers/peer_kernels.h"
 #include "backend/peers/peer_owners.h"
@@ -78,8 +78,8 @@ template <class M> void shareRows(M& m) {
 }
 
 /// What this rank evaluates and sees in the iterations. Asks for rows and joints of slices at a border, which
-/// nobody reads before the second barrier. Sights and questions of a step are cleared after they are read, and
-/// a barrier follows before others store the next ones.
+/// nobody reads before the second barrier. Sights and questions of a step are cleared after they are read,
+/// and a barrier follows before others store the next ones.
 template <class M> void plan(M& m) {
   const SolverData& s = m.tables();
   const PeerData p = m.data();
