@@ -64,14 +64,29 @@ TEST(Axis, LimitNearbyIsWatchedWithoutStiffnessUntilItIsCrossed) {
   axisForces(rows, Real(.9), force, hessian);
   EXPECT_EQ(force, 0);
   EXPECT_EQ(hessian, 0);
-  // an impact drives it past its limit: the limit acts in the same step and has a multiplier in the next
+  // an impact drives it past its limit: the limit acts in the same step
   axisForces(rows, Real(1.1), force, hessian);
   EXPECT_NEAR(force, rows.limit.k * Real(.1), 1e-6 * rows.limit.k);
   EXPECT_EQ(hessian, rows.limit.k);
+}
+
+/// A contact may drive a joint to its limit however slow it was before.
+TEST(Axis, LimitForgetsWhatFirstLoadsItAndKeepsWhatFollows) {
+  const StepConstants c = constants();
+  AxisSpec spec = nothing();
+  spec.hi = 1;
+  AxisRows rows{};
+  beginAxis(c, spec, rows, at(.8, .01));
   updateAxis(c, rows, Real(1.1));
+  EXPECT_GT(rows.limit.lambda, 0);
+  beginAxis(c, spec, rows, at(1.02, .01));
+  EXPECT_EQ(rows.limit.active, 1);
+  EXPECT_EQ(rows.limit.lambda, 0);
+  updateAxis(c, rows, Real(1.03));
   EXPECT_GT(rows.limit.lambda, 0);
   beginAxis(c, spec, rows, at(.99, -1));
   EXPECT_EQ(rows.limit.active, 1);
+  EXPECT_GT(rows.limit.lambda, 0);
 }
 
 TEST(Axis, LimitForgivesExcessButNoGap) {
