@@ -66,7 +66,7 @@ constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr Wide kHalfPi{1.5707963267948966, 6.123233995736766e-17},
     kLog2{0.6931471805599453, 2.3190468138462996e-17};
 /// pi/2 beyond kHalfPi
-constexpr double kHalfPiRest = -1.4973849048591833e-33;
+constexpr double kHalfPiRest = -1.4973849048591698e-33;
 
 /// 1 + a z (1 + b z (1 + ...)), where factor(k) are a, b, ... of the first `terms`
 template <class Factor> Wide nested(const Wide& z, int terms, Factor&& factor) {

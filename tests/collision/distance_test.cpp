@@ -1,6 +1,7 @@
 /// Distances of spheres and capsules in closed form against those over many points, and times of impact
 /// against dense sampling in time.
 #include <collision/distance.h>
+#include <collision/ray.h>
 
 #include "tests/collision/shapes_for_tests.h"
 
@@ -49,6 +50,11 @@ TEST(Distance, OfRoundBodiesIsThatOfTheGeneralSearch) {
     const Placed a = somewhere(random, shapes[k % 3], 1.), b = somewhere(random, shapes[k / 3 % 3], 1.);
     EXPECT_NEAR(gjk::lines(a, b).distance, gjk::cores(a, b).distance, 1e-9) << k;
   }
+}
+
+TEST(Ray, OfNoLengthHitsOnlyWhatHoldsIt) {
+  EXPECT_EQ(rays::sphere({2, 0, 0}, {0, 0, 0}, 1).fraction, rays::kNever);
+  EXPECT_EQ(rays::sphere({.5, 0, 0}, {0, 0, 0}, 1).fraction, 0);
 }
 
 TEST(Distance, OfCrossingAxesIsThatOfTheirRadii) {

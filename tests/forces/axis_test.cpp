@@ -40,6 +40,18 @@ TEST(Axis, LimitPushesBackOnEitherSideOnly) {
   }
 }
 
+TEST(Axis, MultiplierOfAHardLimitDecaysByAlphaGamma) {
+  StepConstants c = constants();
+  c.alpha = .9, c.gamma = .8;
+  AxisSpec spec = nothing();
+  spec.hi = 2;
+  AxisRows rows{};
+  beginAxis(c, spec, rows, at(2.5));
+  rows.limit.lambda = 10;
+  beginAxis(c, spec, rows, at(2.5));
+  EXPECT_NEAR(rows.limit.lambda, 7.2, 1e-12);
+}
+
 TEST(Axis, LimitThatStaysOpenIsInactive) {
   const StepConstants c = constants();
   AxisSpec spec = nothing();

@@ -2,6 +2,7 @@
 /// direction, volume stays, energy falls.
 #include <gtest/gtest.h>
 
+#include "forces/bending.h"
 #include "forces/plasticity.h"
 #include "tests/support/core.h"
 #include "tests/support/random.h"
@@ -15,6 +16,12 @@ constexpr Real kMu = 4e4, kYield = 3e3, kHardening = 1e4;  // [Pa]
 
 Vec3 randomPoint(Random& random, Real size) {
   return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
+}
+
+TEST(FoldBend, TurnTakesTheShortWay) {
+  EXPECT_NEAR(FoldBend::turn(.5, .2), .3, 1e-15);
+  EXPECT_NEAR(FoldBend::turn(3, -3), 6 - 2 * std::numbers::pi, 1e-14);
+  EXPECT_NEAR(FoldBend::turn(-3, 3), 2 * std::numbers::pi - 6, 1e-14);
 }
 
 struct Clay {

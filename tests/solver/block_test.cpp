@@ -130,7 +130,9 @@ TEST(Block, StepsWithMoreEnergyThanTheirForcesDoWorkAreReplaced) {
     Block6 broken = block;
     broken.al0 *= 20, broken.al1 *= 20, broken.al2 *= 20;
     Pose x = start;
+    const bool isTrusted = isWithinWork(broken, mass, inertia, trustedStep(broken, start.q));
     const Descent how = descend(broken, m, kInverseDt2, x);
+    EXPECT_EQ(how, isTrusted ? Descent::Newton : Descent::Diagonal) << i;
     if (how != Descent::Diagonal) continue;
     ++replaced;
     EXPECT_EQ(x.p, retract(start, diagonalStep(broken)).p);
@@ -138,6 +140,20 @@ TEST(Block, StepsWithMoreEnergyThanTheirForcesDoWorkAreReplaced) {
         << i;
   }
   EXPECT_GT(replaced, 20);
+}
+
+/// dx . I dx <= 2 f . dx, on either side of equality.
+TEST(Block, WorkOfARotationIsComparedWithItsOwnInertia) {
+  Random random(10);
+  for (int i = 0; i < 20; ++i) {
+    const Sym3 inertia = 3600 * massMatrix(2, {.3, .5, .7}, random.rotation()).inertia;
+    const Vec6 dx{{0, 0, 0}, random.vector(.1)};
+    Block6 block{};
+    block.fa = .505 * (inertia * dx.ang);
+    EXPECT_TRUE(isWithinWork(block, Real(7200), inertia, dx)) << i;
+    block.fa = .495 * (inertia * dx.ang);
+    EXPECT_FALSE(isWithinWork(block, Real(7200), inertia, dx)) << i;
+  }
 }
 
 TEST(Block, CurvatureNormsAreThoseOfTheColumnsOfS) {

@@ -128,6 +128,18 @@ TEST(TorqueFreeSpin, ConservesTheDiscreteMomentumToRoundOff) {
   }
 }
 
+TEST(MomentumCurve, IsThatOfTheCotangentAndHasItsSlope) {
+  const auto curve = [](Real a2) {
+    const Real a = std::sqrt(a2);
+    return (1 - a / 2 / std::tan(a / 2)) / a2;
+  };
+  for (const Real a2 : {.01, .3, 1., 2., 4.}) {
+    const Real step = a2 / 1000, slope = (curve(a2 + step) - curve(a2 - step)) / (2 * step);
+    EXPECT_NEAR(momentumCurve(a2).value, curve(a2), 1e-6) << a2;
+    EXPECT_NEAR(momentumCurve(a2).slope, slope, 3e-6) << a2;
+  }
+}
+
 TEST(TorqueFreeSpin, KeepsASpinAboutAPrincipalAxis) {
   for (int axis = 0; axis < 3; ++axis) {
     Vec3 w;

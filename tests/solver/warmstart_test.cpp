@@ -121,6 +121,15 @@ TEST(StepConstants, KeepTheRateOfCorrectionAtAnyTimeStep) {
   EXPECT_EQ(stepConstants(params, {0, 0, 0}, 0).alpha, 0);
 }
 
+TEST(StepConstants, TakeTheRateOfDriftCorrectionAndCorrectAtMostAll) {
+  Params params;
+  params.dt = .01;
+  params.tuning.driftCorrection = 20;
+  EXPECT_NEAR(stepConstants(params, {0, 0, 0}, 0).driftCorrection, .2, 1e-15);
+  params.tuning.driftCorrection = 300;
+  EXPECT_EQ(stepConstants(params, {0, 0, 0}, 0).driftCorrection, 1);
+}
+
 TEST(StepConstants, DivideTheStepBySubsteps) {
   Params params;
   params.dt = 1. / 60;
