@@ -43,6 +43,20 @@ class Import(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn(name, done.stderr)
 
+    def test_controls_are_given_by_the_names_of_actuators(self):
+        def height_after(control):
+            with tempfile.TemporaryDirectory() as folder:
+                report = pathlib.Path(folder) / "report.json"
+                done = rubble("run", MODELS / "rotors.xml", "--steps", 50, "--series", "-q", "--json", report,
+                              "--control", f"left={control}", "--control", f"right={control}")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                return json.loads(report.read_text())
+        self.assertNotEqual(height_after(0)["series"]["energy"], height_after(8)["series"]["energy"])
+        for wrong in ("nobody=1", "left", "left=", "left=x"):
+            done = rubble("run", MODELS / "rotors.xml", "--steps", 1, "--control", wrong)
+            self.assertEqual(done.returncode, 2, wrong)
+            self.assertIn("--control", done.stderr)
+
     def test_an_import_may_run_at_once(self):
         done = rubble("import", MODELS / "arm.xml", "-q", "--key", "reach", "--run", "--steps", 10)
         self.assertEqual(done.returncode, 0, done.stderr)

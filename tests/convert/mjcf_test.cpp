@@ -111,18 +111,21 @@ TEST(Mjcf, TwoHingesOfOneBodyAreOneJointWithTwoFreeAxes) {
   EXPECT_EQ(model.file.scene.bodies.size(), 1u);
 }
 
-TEST(Mjcf, HingesOfOneBodyThatAreNotOrthogonalAreReportedWithTheirLine) {
-  const auto notesOf = [](const std::string& second) {
+TEST(Mjcf, ThreeHingesOfOneBodyThatAreNotOrthogonalAreReportedWithTheirLine) {
+  const auto notesOf = [](const std::string& second, const std::string& third) {
     const Import model = importText(
-        mjcf("<body name='b'>\n<joint name='i' axis='1 0 0'/><joint name='j' axis='" + second +
-             "'/><geom size='.1' pos='0 0 -.5'/></body>"));
+        mjcf("<body name='b'>\n<joint name='i' axis='1 0 0'/><joint name='j' axis='" + second + "'/>" +
+             third + "<geom size='.1' pos='0 0 -.5'/></body>"));
     std::vector<convert::Note> out;
     for (const convert::Note& note : model.report.notes)
       if (note.effect == Effect::Approximate) out.push_back(note);
     return out;
   };
-  EXPECT_TRUE(notesOf("0 1 0").empty());
-  const std::vector<convert::Note> notes = notesOf("1 1 0");
+  EXPECT_TRUE(notesOf("0 1 0", "").empty());
+  EXPECT_TRUE(notesOf("1 1 0", "").empty());
+  EXPECT_TRUE(notesOf("0 1 0", "<joint axis='1 0 1' damping='1'/>").size() == 1);  // turns by less than 90
+  EXPECT_TRUE(notesOf("1 1 0", "<joint axis='0 0 1'/>").empty());
+  const std::vector<convert::Note> notes = notesOf("1 1 0", "<joint axis='0 0 1' damping='1'/>");
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_EQ(notes[0].place.file, "model.xml");
   EXPECT_EQ(notes[0].place.line, 2);
@@ -227,25 +230,33 @@ TEST(Mjcf, AMotorIsAPlainForceWithinItsRange) {
 }
 
 TEST(Mjcf, ActuatorsOfEveryLinearKindAreDrivesOrMotors) {
-  const auto axisWith = [](const std::string& actuator) {
+  const auto modelWith = [](const std::string& actuator) {
     convert::ImportOptions options;
     options.key = "0";
-    const Import model = importText(
+    return importText(
         mjcf("<body><joint name='j' type='slide'/><geom size='1' mass='3'/></body>",
              "<actuator>" + actuator + "</actuator><keyframe><key ctrl='2' act='.5'/></keyframe>"),
         "model.xml", options);
-    return jointNamed(model, "j").axes[0];
+  };
+  const auto axisWith = [&](const std::string& actuator) {
+    return jointNamed(modelWith(actuator), "j").axes[0];
   };
   EXPECT_DOUBLE_EQ(axisWith("<velocity joint='j' kv='4'/>").targetSpeed, 2);
-  EXPECT_DOUBLE_EQ(axisWith("<damper joint='j' kv='4' ctrlrange='0 9'/>").driveDamping, 8);
   EXPECT_DOUBLE_EQ(axisWith("<intvelocity joint='j' kp='4' actrange='-1 1'/>").targetPosition, .5);
-  EXPECT_DOUBLE_EQ(axisWith("<cylinder joint='j' area='3'/>").motorForce, 6);
-  EXPECT_DOUBLE_EQ(axisWith("<general joint='j' gaintype='affine' gainprm='1 0 -5' biastype='affine' "
-                            "biasprm='0 -7 0'/>")
-                       .driveDamping,
-                   10);
+  EXPECT_DOUBLE_EQ(axisWith("<cylinder joint='j' area='3'/>").motorForce, 1.5);
   // c = 2 zeta sqrt(k m)
   EXPECT_DOUBLE_EQ(axisWith("<position joint='j' kp='12' dampratio='.5'/>").driveDamping, 6);
+  EXPECT_DOUBLE_EQ(
+      axisWith("<general joint='j' gainprm='12' biastype='affine' biasprm='0 -12 .5'/>").driveDamping, 6);
+  // a gain by length or speed is a law of the actuator alone
+  const Import model = modelWith(
+      "<general joint='j' gear='2' gaintype='affine' gainprm='1 0 -5' biastype='affine' biasprm='0 -7 0'/>");
+  const ActuatorDef& law = model.file.actuators.at(0);
+  EXPECT_EQ(law.type, ActuatorType::Force);
+  EXPECT_EQ(law.gain, (Vec3{1, 0, -5}));
+  EXPECT_EQ(law.bias, (Vec3{0, -7, 0}));
+  EXPECT_DOUBLE_EQ(std::fabs(law.gear), 2);
+  EXPECT_EQ(jointNamed(model, "j").axes[0].driveStiffness, 0);
 }
 
 TEST(Mjcf, AKeyframeGivesVelocitiesOfTheWholeTree) {

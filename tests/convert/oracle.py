@@ -94,13 +94,13 @@ def compare_joints(model, data, scene, name):
         if own is None:
             problems.append(f"{name}: no joint {label}")
             continue
-        for side in "ab":
-            anchor, axes = frame_of(scene, own, side)
-            if kind != mujoco.mjtJoint.mjJNT_SLIDE:
-                check(f"{name} anchor: {label}", anchor, data.xanchor[index])
+        frames = [frame_of(scene, own, side) for side in "ab"]
+        for anchor, _ in frames if kind != mujoco.mjtJoint.mjJNT_SLIDE else ():
+            check(f"{name} anchor: {label}", anchor, data.xanchor[index])
         if kind == mujoco.mjtJoint.mjJNT_BALL:
             continue
-        along = axes.T @ data.xaxis[index]
+        # x of a gimbal is that of A, the others are those of B
+        along = max((axes.T @ data.xaxis[index] for _, axes in frames[::-1]), key=lambda a: np.abs(a).max())
         place = int(np.argmax(np.abs(along)))
         check(f"{name} axis: {label}", abs(along[place]), 1)
         single = own["type"] in ("hinge", "slider")

@@ -101,6 +101,27 @@ class Sensors(Case):
             sensors["hand"]
 
 
+class Actuators(Case):
+    def test_their_controls_and_activations_act_before_each_step(self):
+        scene = rubble.Scene()
+        scene.add_body(rubble.box(1, 1, 1), name="crate", mass=2)
+        scene.set(gravity=(0, 0, 0))
+        scene.add_actuator("wrench", name="jet", body="crate", force=(0, 3, 0), dynamics="integrator",
+                           max_activation=1)
+        world = rubble.World(scene, threads=1)
+        actuators = rubble.Actuators(scene, world)
+        self.assertEqual((list(actuators), actuators.types), (["jet"], ["wrench"]))
+        actuators.activations[0] = 1
+        actuators["jet"] = 0.5
+        for _ in range(60):
+            actuators.apply()
+            world.step()
+        self.assertNear(actuators.forces, [1])
+        self.assertNear(world.bodies["crate"].velocity, (0, 1.5, 0), 1e-5)
+        with self.assertRaises(KeyError):
+            actuators["hand"] = 1
+
+
 class Deformables(Case):
     def test_a_cloth_hangs_by_its_attachment(self):
         world = rubble.World(rubble.Scene(), threads=1)
