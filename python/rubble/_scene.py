@@ -150,8 +150,8 @@ class Scene:
         return self.add("sensors", {"type": type, **fields})
 
     def add_actuator(self, type: str, **fields: Any) -> int:
-        """An actuator for `rubble.Actuators`: type ("force", "position", "muscle", "wrench" and others), name,
-        joint, axis, body, gain, dynamics and other keys of scene files."""
+        """An actuator for `rubble.Actuators`: type ("force", "position", "muscle", "wrench" and others),
+        name, joint, axis, body, gain, dynamics and other keys of scene files."""
         return self.add("actuators", {"type": type, **fields})
 
     def exclude(self, a: Union[str, int], b: Union[str, int]) -> int:

@@ -10,7 +10,8 @@ namespace rubble::RUBBLE_CORE {
 /// degrees. They turn about z of B, the line of nodes n, and x of A. With u = n x z and t = tan q_1:
 ///
 ///   g_0 = u / cos q_1,  g_1 = n,  g_2 = t u + z                         J_A = R(Q_B) g,  J_B = -J_A
-///   d2q_0 = sym(n (g_2 + t u)^T) / cos q_1,  d2q_1 = -sym(u g_2^T),  d2q_2 = sym(n (t g_2 + u / cos^2 q_1)^T)
+///   d2q_0 = sym(n (g_2 + t u)^T) / cos q_1,  d2q_1 = -sym(u g_2^T)
+///   d2q_2 = sym(n (t g_2 + u / cos^2 q_1)^T)
 struct CardanAngles {
   Real cosine, tangent;  ///< of q_1
   Vec3 nodes, across;    ///< n and u, in the frame of B
