@@ -148,6 +148,12 @@ INSTANTIATE_TEST_SUITE_P(Samples, ScenesOnRanks,
                            return name;
                          });
 
+TEST(Ranks, ThatStoreAreNotMoreThanABodyHasBitsFor) {
+  const scenes::Job job = jobOf("break-row");
+  for (const RankExchange exchange : {RankExchange::Stores, RankExchange::Letters})
+    EXPECT_THROW(World(job.scene, onRanks(optionsOf(job), 33, 0, exchange)), Error);
+}
+
 TEST(Ranks, KeepTheBitsThroughEdits) {
   World one(test::heap(4), test::options(4)), team(test::heap(4), onRanks(test::options(4), 3, 3));
   for (int i = 0; i < 24; ++i) {

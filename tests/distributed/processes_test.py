@@ -78,6 +78,13 @@ def children(process):
     return found
 
 
+def stores(*_):
+    """Processes do not reach one another's memory."""
+    done = subprocess.run(launch(2, [*SCENE, "-n", "2", "-b", "distributed", "--exchange", "stores"]),
+                          capture_output=True, text=True, timeout=60)
+    assert done.returncode != 0 and "messages or letters" in done.stderr, done.stderr
+
+
 def killed(folder, _):
     error = folder / "error"
     with error.open("w") as stream:
@@ -99,7 +106,7 @@ def killed(folder, _):
 def main():
     with tempfile.TemporaryDirectory() as name:
         one = report([RUBBLE, *SCENE, "-n", "12", "-b", "cpu"])["hash"]
-        for test in (same_bits, checkpoint, killed):
+        for test in (same_bits, checkpoint, stores, killed):
             test(pathlib.Path(name), one)
     print("processes_test: all runs as expected")
 

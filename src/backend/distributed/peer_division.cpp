@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 namespace rubble::RUBBLE_CORE {
 
@@ -26,6 +27,9 @@ PeerDivision::PeerDivision(HostTables& tables, Transport& transport, const RankO
       exchange_(options.exchange),
       ranks_(static_cast<std::size_t>(transport.ranks())),
       sums_(static_cast<std::size_t>(transport.ranks())) {
+  if (transport.ranks() > kMostPeers)
+    throw Error("ranks.count", "at most " + std::to_string(kMostPeers) + " ranks that store or send letters",
+                std::to_string(transport.ranks()));
   data_.rank = transport.rank(), data_.ranks = transport.ranks();
   data_.at = ranks_.data(), data_.cut = &cut_, data_.sums = sums_.data(), data_.listed = listed_;
   cut_.interval = options.cutInterval, cut_.maxImbalance = options.maxImbalance;

@@ -114,6 +114,8 @@ std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, const Cp
     return makeCudaRank(processes.transport(ranks.timeout), ranks, cpu.timings);
   }
   if (ranks.count == 0 && processes.transport) {
+    if (ranks.exchange == RankExchange::Stores || ranks.exchange == RankExchange::StoresInTurns)
+      throw Error("ranks.exchange", "messages or letters between processes", "stores");
     std::unique_ptr<Transport> transport = processes.transport(ranks.timeout);
     std::unique_ptr<DividedEngine> divided = makeCpuRank(*transport, ranks, cpu);
     return std::make_unique<RankEngine>(std::move(transport), std::move(divided));
