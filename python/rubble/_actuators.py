@@ -2,18 +2,18 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._library import Handle, check, json_of, lib
+from ._library import Handle, Named, check, json_of, lib
 
 if TYPE_CHECKING:
     from ._scene import Scene
     from ._world import World
 
 
-class Actuators:
+class Actuators(Named):
     """Controls of the actuators of a scene: ``actuators = rubble.Actuators(scene, world)``, then before each
     step ``actuators["knee"] = 0.4`` and ``actuators.apply()``.
 
@@ -58,21 +58,7 @@ class Actuators:
 
     def __getitem__(self, name: str) -> float:
         """The control of an actuator. Raises `KeyError` for an unknown name."""
-        return float(self.controls[self._at(name)])
+        return float(self.controls[self._at(name, "actuator")])
 
     def __setitem__(self, name: str, control: float) -> None:
-        self.controls[self._at(name)] = control
-
-    def _at(self, name: str) -> int:
-        if name not in self.names:
-            raise KeyError(f"no actuator {name!r}; there are {', '.join(self.names)}")
-        return self.names.index(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.names)
-
-    def __len__(self) -> int:
-        return len(self.names)
-
-    def __repr__(self) -> str:
-        return f"<rubble.Actuators {', '.join(self.names)}>"
+        self.controls[self._at(name, "actuator")] = control

@@ -5,7 +5,7 @@ import ctypes
 import json
 import os
 import pathlib
-from typing import Any, Callable, Optional, Sequence
+from typing import Any, Callable, Iterator, Optional, Sequence
 
 import numpy as np
 
@@ -168,3 +168,23 @@ class Handle:
 
     def __del__(self) -> None:
         self.close()
+
+
+class Named:
+    """What has a name for each of its elements."""
+
+    names: list[str]
+
+    def _at(self, name: str, what: str) -> int:
+        if name not in self.names:
+            raise KeyError(f"no {what} {name!r}; there are {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __repr__(self) -> str:
+        return f"<rubble.{type(self).__name__} {', '.join(self.names)}>"

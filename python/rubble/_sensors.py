@@ -2,18 +2,18 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Iterator, Union
+from typing import TYPE_CHECKING, Union
 
 import numpy as np
 
-from ._library import Handle, check, json_of, lib
+from ._library import Handle, Named, check, json_of, lib
 
 if TYPE_CHECKING:
     from ._scene import Scene
     from ._world import World
 
 
-class Sensors:
+class Sensors(Named):
     """Readings of the sensors of a scene: ``sensors = rubble.Sensors(scene, world)``, ``sensors.update()``
     after each step, then ``sensors["gyro"]``.
 
@@ -51,17 +51,6 @@ class Sensors:
         """The reading of one sensor, by name or place: 1, 3 or 4 numbers. Raises `KeyError` for an unknown
         name."""
         if isinstance(sensor, str):
-            if sensor not in self.names:
-                raise KeyError(f"no sensor {sensor!r}; there are {', '.join(self.names)}")
-            sensor = self.names.index(sensor)
+            sensor = self._at(sensor, "sensor")
         at = range(len(self))[sensor]
         return self.values[self._ends[at]:self._ends[at + 1]]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.names)
-
-    def __len__(self) -> int:
-        return len(self.names)
-
-    def __repr__(self) -> str:
-        return f"<rubble.Sensors {', '.join(self.names)}>"

@@ -17,10 +17,14 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// Control::lacking of a step whose messages of kind k are too short: this less k.
-constexpr int kLackingLetters = -16;
+/// Control::lacking of a step whose messages of kind k are too short: this less k. Tables are not negative, and
+/// a lost rank is kLostPeer.
+constexpr int kLackingLetters = kLostPeer - 1;
 /// Letters of a message before any step has asked for more.
 constexpr int kFirstRoom = 255;
+/// More room than was asked for by this share [1]: numbers of letters change a little from step to step.
+constexpr int kSpareShare = 4;
+/// Most blocks that deliver: a few for each multiprocessor of a large device. Not measured.
 constexpr int kDeliveryBlocks = 512;
 
 __device__ int mostOf(const PeerBox* boxes, int rank, int ranks) {
@@ -114,7 +118,7 @@ void CudaLetters::grow(int letters) {
 int CudaLetters::kindOf(int lacking) { return lacking <= kLackingLetters ? kLackingLetters - lacking : -1; }
 
 void CudaLetters::reserve(int kind, int letters) {
-  room_[static_cast<std::size_t>(kind)] = letters + letters / 4;
+  room_[static_cast<std::size_t>(kind)] = letters + letters / kSpareShare;
   // the boxes of a step that has stopped for their length are empty
   if (room_[static_cast<std::size_t>(kind)] > capacity_) grow(room_[static_cast<std::size_t>(kind)]);
   ++version_;
