@@ -17,8 +17,8 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// Control::lacking of a step whose messages of kind k are too short: this less k. Tables are not negative, and
-/// a lost rank is kLostPeer.
+/// Control::lacking of a step whose messages of kind k are too short: this less k. Tables are not negative,
+/// and a lost rank is kLostPeer.
 constexpr int kLackingLetters = kLostPeer - 1;
 /// Letters of a message before any step has asked for more.
 constexpr int kFirstRoom = 255;
