@@ -2,6 +2,7 @@
 
 #include "c_api/handles.h"
 #include "c_api/recorded.h"
+#include "io/body_reader.h"
 #include "io/json_text.h"
 #include "io/shape_json.h"
 
@@ -10,8 +11,6 @@ using namespace rubble::c;
 using Ordered = nlohmann::ordered_json;
 
 namespace {
-
-constexpr const char* kMotions[] = {"static", "kinematic", "dynamic"};
 
 template <class Id> Ordered idJson(Id id) { return {id.index, id.generation}; }
 
@@ -109,7 +108,7 @@ rb_status rb_recording_objects(rb_recording* recording, int64_t index, const cha
     for (const io::RecordedBody& body : reader.bodies(frame))
       out["bodies"].push_back({{"name", body.name},
                                {"id", idJson(body.id)},
-                               {"motion", kMotions[static_cast<std::size_t>(body.motion)]},
+                               {"motion", io::motionNames()[static_cast<std::size_t>(body.motion)]},
                                {"shape", io::shapeJson(body.shape)}});
     for (const io::RecordedSoft& soft : reader.softs(frame))
       out["deformables"].push_back({{"name", soft.name},

@@ -22,6 +22,10 @@ function(rubble_add_library name folder)
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(${name} PUBLIC rubble::rubble PRIVATE $<BUILD_INTERFACE:rubble_warnings>)
   target_compile_options(${name} PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Sanitize>>:-O0>)
+  # scenes alike use the same names within their files
+  if(RUBBLE_UNITY AND NOT folder STREQUAL "scenes")
+    rubble_unite(${name})
+  endif()
 endfunction()
 
 rubble_add_library(rubble_scenes scenes)

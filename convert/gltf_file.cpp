@@ -8,7 +8,7 @@
 namespace rubble::convert {
 namespace {
 
-constexpr std::size_t kMostNumbers = std::size_t{1} << 27;
+constexpr std::size_t kMostComponents = std::size_t{1} << 27;
 
 template <class T> T at(const std::string& bytes, std::size_t offset) {
   T out{};
@@ -110,7 +110,8 @@ std::vector<double> GltfFile::numbers(const GltfJson& index, std::size_t compone
   const std::size_t type = whole(accessor, "componentType", 0, who), count = whole(accessor, "count", 0, who);
   const std::size_t size = type == 5121 ? 1 : type == 5123 ? 2 : type == 5125 || type == 5126 ? 4 : 0;
   if (size == 0) throw Error(who + ".componentType", "5121, 5123, 5125 or 5126", std::to_string(type));
-  if (count > kMostNumbers / components) throw Error(who + ".count", "fewer elements", std::to_string(count));
+  if (count > kMostComponents / components)
+    throw Error(who + ".count", "fewer elements", std::to_string(count));
   const GltfJson& view = entry(child(json_, "bufferViews"), child(accessor, "bufferView"), who);
   const std::string& bytes = buffer(whole(view, "buffer", 0, who), who, folders);
   const std::size_t offset = whole(view, "byteOffset", 0, who) + whole(accessor, "byteOffset", 0, who),

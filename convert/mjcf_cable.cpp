@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kPlugin = "mujoco.elasticity.cable";
 constexpr int kMostPoints = 10000;
 /// Elements and attributes of all segments together.
-constexpr std::size_t kMostCopies = 2000000;
+constexpr std::size_t kMostInAll = 2000000;
 
 /// Torsion constant and second moments about y and z of the section of a segment along x [m4].
 std::optional<Vec3> sectionOf(const Shape& shape) {
@@ -122,7 +122,7 @@ void MjcfReader::expandCable(const Tag& tag, const std::string& childClass) {
   const std::string prefix = tag.text("prefix").value_or("");
   const std::size_t initial = tag.choice("initial", {"none", "free", "ball"}, 2);
   const std::vector<Vec3> points = pointsOf(tag);
-  if (points.size() * sizeOf(node) > kMostCopies)
+  if (points.size() * sizeOf(node) > kMostInAll)
     tag.fail("count", "fewer segments of a composite of this size", std::to_string(points.size()));
   const std::vector<Quat> frames = framesAlong(points);
   const pugi::xml_node joint = node.child("joint"), geom = node.child("geom"), site = node.child("site"),

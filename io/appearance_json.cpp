@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "io/field_json.h"
 #include "io/shape_json.h"
 
 namespace rubble::io {
@@ -25,8 +26,6 @@ double degreesOf(double angle) {
       return next;
   return degrees;
 }
-
-Json vectorJson(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 

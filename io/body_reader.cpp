@@ -5,10 +5,13 @@
 #include "io/shape_json.h"
 
 namespace rubble::io {
-namespace {
 
-constexpr Want kNotNegative{0, true, std::numeric_limits<double>::infinity(), "a number of at least 0"};
-constexpr Want kPositive{0, false, std::numeric_limits<double>::infinity(), "a number above 0"};
+const std::vector<std::string>& motionNames() {
+  static const std::vector<std::string> names{"static", "kinematic", "dynamic"};
+  return names;
+}
+
+namespace {
 
 /// A list of layers, 0 to 31, as a bit set.
 std::uint32_t readLayers(const Node& node) {
@@ -94,13 +97,12 @@ Material BodyReader::material(const Node& node) const {
 }
 
 BodyDef BodyReader::body(const Node& node) const {
-  static const std::vector<std::string> kMotions{"static", "kinematic", "dynamic"};
   BodyDef out;
   ObjectReader object(node, "a body");
   if (!object.isObject()) return out;
   object.read("name", out.name);
   if (const auto found = object.get("motion"))
-    out.motion = static_cast<Motion>(found->choice(kMotions).value_or(2));
+    out.motion = static_cast<Motion>(found->choice(motionNames()).value_or(2));
   const auto shapeNode = object.need("shape", "such as {\"type\": \"box\", \"size\": [1, 1, 1]}");
   if (shapeNode) out.shape = shape(*shapeNode);
   // A plane has no volume to move: it need not be said that it is static.

@@ -1,10 +1,14 @@
 #pragma once
 #include <map>
 #include <string>
+#include <vector>
 
 #include "io/json_reader.h"
 
 namespace rubble::io {
+
+/// Words for the values of Motion.
+const std::vector<std::string>& motionNames();
 
 /// Reads bodies and the materials that they name.
 class BodyReader {

@@ -9,17 +9,17 @@
 namespace rubble::io {
 namespace {
 
-constexpr FieldRules kPositive{FieldRange::Positive}, kNotNegative{FieldRange::NotNegative},
-    kMayBreak{FieldRange::Positive, "never"};
+constexpr FieldRules kPositiveRule{FieldRange::Positive}, kNotNegativeRule{FieldRange::NotNegative},
+    kMayBreakRule{FieldRange::Positive, "never"};
 
 constexpr std::tuple kRodNumbers{
-    field("radius", "m", "of its circular section", &RodDef::radius, kPositive),
-    field("youngs_modulus", "Pa", "E", &RodDef::youngsModulus, kPositive),
+    field("radius", "m", "of its circular section", &RodDef::radius, kPositiveRule),
+    field("youngs_modulus", "Pa", "E", &RodDef::youngsModulus, kPositiveRule),
     field("poisson_ratio", "1", "nu, -1 to 0.5", &RodDef::poissonRatio),
-    field("density", "kg/m3", "of the rod", &RodDef::density, kPositive),
-    field("viscosity", "Pa s", "of the strain rate", &RodDef::viscosity, kNotNegative),
-    field("break_force", "N", "per joint", &RodDef::breakForce, kMayBreak),
-    field("break_torque", "N m", "per joint", &RodDef::breakTorque, kMayBreak)};
+    field("density", "kg/m3", "of the rod", &RodDef::density, kPositiveRule),
+    field("viscosity", "Pa s", "of the strain rate", &RodDef::viscosity, kNotNegativeRule),
+    field("break_force", "N", "per joint", &RodDef::breakForce, kMayBreakRule),
+    field("break_torque", "N m", "per joint", &RodDef::breakTorque, kMayBreakRule)};
 
 Material inlineMaterial(const Node& node) { return readMaterial(node); }
 

@@ -68,11 +68,13 @@ Ordered fieldJson(const FieldInfo& field, double value) {
 }
 Ordered fieldJson(const FieldInfo&, bool value) { return value; }
 Ordered fieldJson(const FieldInfo& field, const Vec3& value) {
-  const Vec3 v = value * field.rules.factor;
-  return {v.x, v.y, v.z};
+  return vectorJson(value * field.rules.factor);
 }
-Ordered fieldJson(const FieldInfo&, const Quat& value) { return {value.s, value.v.x, value.v.y, value.v.z}; }
+Ordered fieldJson(const FieldInfo&, const Quat& value) { return quaternionJson(value); }
 Ordered fieldJson(const FieldInfo&, const std::vector<double>& value) { return value; }
+
+Ordered vectorJson(const Vec3& v) { return {v.x, v.y, v.z}; }
+Ordered quaternionJson(const Quat& q) { return {q.s, q.v.x, q.v.y, q.v.z}; }
 
 bool sameBits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);

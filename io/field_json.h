@@ -20,6 +20,9 @@ nlohmann::ordered_json fieldJson(const FieldInfo& field, const Vec3& value);
 nlohmann::ordered_json fieldJson(const FieldInfo& field, const Quat& value);
 nlohmann::ordered_json fieldJson(const FieldInfo& field, const std::vector<double>& value);
 
+nlohmann::ordered_json vectorJson(const Vec3& v);
+nlohmann::ordered_json quaternionJson(const Quat& q);
+
 /// The same bits, so that -0 is not taken for 0.
 bool sameBits(double a, double b);
 bool sameBits(bool a, bool b);

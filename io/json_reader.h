@@ -24,6 +24,9 @@ struct Want {
   double max = std::numeric_limits<double>::infinity();
   const char* text = "a number";
 };
+inline constexpr Want kNotNegative{0, true, std::numeric_limits<double>::infinity(),
+                                   "a number of at least 0"};
+inline constexpr Want kPositive{0, false, std::numeric_limits<double>::infinity(), "a number above 0"};
 
 class Nodes;
 

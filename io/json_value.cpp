@@ -6,7 +6,7 @@
 
 namespace rubble::io {
 
-using Json = nlohmann::json;
+using Unordered = nlohmann::json;
 
 double JsonValue::number() const {
   switch (type_) {
@@ -48,7 +48,7 @@ std::string behind(std::string_view mark, const std::string& message) {
   return begin == std::string::npos ? message : message.substr(begin + mark.size());
 }
 
-Fault syntaxFault(std::string_view text, const Json::parse_error& error) {
+Fault syntaxFault(std::string_view text, const Unordered::parse_error& error) {
   Fault fault;
   const std::size_t end = std::min(error.byte > 0 ? error.byte - 1 : 0, text.size());
   fault.line = 1 + static_cast<int>(
@@ -65,7 +65,7 @@ constexpr std::size_t kMostLevels = 64;
 }  // namespace
 
 /// Takes what the parser finds.
-class JsonBuilder final : public Json::json_sax_t {
+class JsonBuilder final : public Unordered::json_sax_t {
  public:
   JsonBuilder(std::string_view text, JsonDocument& out) : text_(text), out_(out) {
     // memory that is not used is not touched either
@@ -109,7 +109,7 @@ class JsonBuilder final : public Json::json_sax_t {
     return true;
   }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) override {
-    const auto* const syntax = dynamic_cast<const Json::parse_error*>(&error);
+    const auto* const syntax = dynamic_cast<const Unordered::parse_error*>(&error);
     return stop(syntax ? syntaxFault(text_, *syntax) : Fault{"", 0, 0, behind("] ", error.what())});
   }
 
@@ -204,7 +204,7 @@ class JsonBuilder final : public Json::json_sax_t {
 std::optional<JsonDocument> parseJson(std::string_view text, std::vector<Fault>& faults) {
   JsonDocument document;
   JsonBuilder builder(text, document);
-  Json::sax_parse(text, &builder);
+  Unordered::sax_parse(text, &builder);
   faults.insert(faults.end(), builder.faults.begin(), builder.faults.end());
   if (builder.stopped) return std::nullopt;
   return document;
@@ -216,7 +216,7 @@ std::string describe(std::string_view text) {
          "\"";
 }
 
-std::string describe(double number) { return Json(number).dump(); }
+std::string describe(double number) { return Unordered(number).dump(); }
 
 std::string describe(const JsonValue& value) {
   switch (value.type()) {

@@ -11,7 +11,7 @@ namespace {
 // Types of elements, and how many nodes each has; those of higher order count with their corners, which come
 // first.
 constexpr int kNodesOfType[] = {0, 2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1};
-constexpr int kTypes = static_cast<int>(std::size(kNodesOfType));
+constexpr int kElementTypes = static_cast<int>(std::size(kNodesOfType));
 constexpr int kLine = 1, kTriangle = 2, kQuad = 3, kTetrahedron = 4, kLine3 = 8, kTriangle6 = 9,
               kTetrahedron10 = 11;
 
@@ -123,8 +123,8 @@ class MshReader {
   }
 
   int nodesOf(long long type) {
-    if (type < 1 || type >= kTypes)
-      fail("a type of elements from 1 to " + std::to_string(kTypes - 1), std::to_string(type));
+    if (type < 1 || type >= kElementTypes)
+      fail("a type of elements from 1 to " + std::to_string(kElementTypes - 1), std::to_string(type));
     return kNodesOfType[type];
   }
   void element(long long type, const std::vector<long long>& tags) {

@@ -11,7 +11,7 @@ enum class Encoding { Text, Little, Big };
 
 struct Property {
   std::string name;
-  int type = 0;        ///< place in kTypes
+  int type = 0;        ///< place in kTypeNames
   int countType = -1;  ///< of a list, else -1
 };
 struct Element {
@@ -20,13 +20,13 @@ struct Element {
   std::vector<Property> properties;
 };
 
-constexpr std::string_view kTypes[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
-                                          {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
-                                          {"float", "float32"}, {"double", "float64"}};
+constexpr std::string_view kTypeNames[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                              {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                              {"float", "float32"}, {"double", "float64"}};
 
 int typeNamed(const MeshBytes& in, std::string_view name) {
   for (int k = 0; k < 8; ++k)
-    if (name == kTypes[k][0] || name == kTypes[k][1]) return k;
+    if (name == kTypeNames[k][0] || name == kTypeNames[k][1]) return k;
   in.fail("a type of numbers (\"float\", \"uchar\" ...)", "\"" + std::string(name) + "\"");
 }
 

@@ -1,12 +1,13 @@
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <map>
 #include <tuple>
 
 #include "io/actuator_json.h"
 #include "io/appearance_json.h"
+#include "io/body_reader.h"
+#include "io/field_json.h"
 #include "io/joint_reader.h"
 #include "io/json_text.h"
 #include "io/output_file.h"
@@ -19,14 +20,6 @@ namespace rubble::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json vectorJson(const Vec3& v) { return {v.x, v.y, v.z}; }
-Json quaternionJson(const Quat& q) { return {q.s, q.v.x, q.v.y, q.v.z}; }
-
-/// The same bits, so that -0 is not taken for 0.
-bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
-bool same(const Vec3& a, const Vec3& b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
-bool same(const Quat& a, const Quat& b) { return same(a.s, b.s) && same(a.v, b.v); }
 
 Json layersJson(std::uint32_t bits) {
   Json json = Json::array();
@@ -46,8 +39,8 @@ Json axesJson(const std::array<bool, 3>& axes) {
 void writeExtras(const BodyDef& body, Json& json) {
   const BodyDef usual;
   if (body.inertia) json["inertia"] = vectorJson(*body.inertia);
-  if (!same(body.linearDamping, usual.linearDamping)) json["linear_damping"] = body.linearDamping;
-  if (!same(body.angularDamping, usual.angularDamping)) json["angular_damping"] = body.angularDamping;
+  if (!sameBits(body.linearDamping, usual.linearDamping)) json["linear_damping"] = body.linearDamping;
+  if (!sameBits(body.angularDamping, usual.angularDamping)) json["angular_damping"] = body.angularDamping;
   if (body.lockTranslation != usual.lockTranslation)
     json["lock_translation"] = axesJson(body.lockTranslation);
   if (body.lockRotation != usual.lockRotation) json["lock_rotation"] = axesJson(body.lockRotation);
@@ -117,25 +110,24 @@ Json SceneWriter::shapeOf(const Shape& shape) const {
 }
 
 Json SceneWriter::body(const BodyDef& body) const {
-  constexpr std::array<const char*, 3> kMotions{"static", "kinematic", "dynamic"};
   const BodyDef usual;
   Json json = Json::object();
   if (!body.name.empty()) json["name"] = body.name;
   if (body.motion != Motion::Dynamic && body.shape.type != ShapeType::Plane)
-    json["motion"] = kMotions[static_cast<std::size_t>(body.motion)];
+    json["motion"] = motionNames()[static_cast<std::size_t>(body.motion)];
   json["shape"] = shapeOf(body.shape);
   if (const Json material = materialName(body.material); !material.is_null()) json["material"] = material;
   if (body.mass) {
     json["mass"] = *body.mass;
-  } else if (!same(body.density, usual.density)) {
+  } else if (!sameBits(body.density, usual.density)) {
     json["density"] = body.density;
   }
-  if (!same(body.position, usual.position)) json["position"] = vectorJson(body.position);
-  if (!same(body.orientation, usual.orientation)) json["orientation"] = quaternionJson(body.orientation);
-  if (!same(body.velocity, usual.velocity)) json["velocity"] = vectorJson(body.velocity);
-  if (!same(body.angularVelocity, usual.angularVelocity))
+  if (!sameBits(body.position, usual.position)) json["position"] = vectorJson(body.position);
+  if (!sameBits(body.orientation, usual.orientation)) json["orientation"] = quaternionJson(body.orientation);
+  if (!sameBits(body.velocity, usual.velocity)) json["velocity"] = vectorJson(body.velocity);
+  if (!sameBits(body.angularVelocity, usual.angularVelocity))
     json["angular_velocity"] = vectorJson(body.angularVelocity);
-  if (!same(body.gravityScale, usual.gravityScale)) json["gravity_scale"] = body.gravityScale;
+  if (!sameBits(body.gravityScale, usual.gravityScale)) json["gravity_scale"] = body.gravityScale;
   writeExtras(body, json);
   return json;
 }
@@ -161,7 +153,7 @@ Json SceneWriter::event(const Event& event) const {
     Json entry = Json::object();
     entry["body"] = push.body;
     entry["velocity"] = vectorJson(push.velocity);
-    if (!same(push.angularVelocity, {})) entry["angular_velocity"] = vectorJson(push.angularVelocity);
+    if (!sameBits(push.angularVelocity, Vec3{})) entry["angular_velocity"] = vectorJson(push.angularVelocity);
     json["set_velocity"].push_back(std::move(entry));
   }
   for (const Event::Turn& turn : event.setJoint) {
@@ -205,7 +197,7 @@ Json SceneWriter::write() {
   json["iterations"] = file_.iterations;
   if (file_.substeps != 1) json["substeps"] = file_.substeps;
   if (file_.smashStep >= 0) json["smash_step"] = file_.smashStep;
-  if (!same(file_.dt, SceneFile{}.dt)) json["dt"] = file_.dt;
+  if (!sameBits(file_.dt, SceneFile{}.dt)) json["dt"] = file_.dt;
   if (file_.camera)
     json["camera"] = {{"eye", vectorJson(file_.camera->eye)}, {"target", vectorJson(file_.camera->target)}};
   if (file_.appearance.toSun) json["sun"] = vectorJson(*file_.appearance.toSun);

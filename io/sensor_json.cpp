@@ -8,8 +8,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr Want kNotNegative{0, true, std::numeric_limits<double>::infinity(), "a number of at least 0"};
-
 const std::vector<std::string>& keywords() {
   static const std::vector<std::string> all = [] {
     std::vector<std::string> names;
@@ -24,9 +22,6 @@ bool readsJoint(SensorType type) {
   return type == SensorType::Force || type == SensorType::Torque || type == SensorType::JointPosition ||
          type == SensorType::JointSpeed || type == SensorType::DriveForce;
 }
-
-Json vectorJson(const Vec3& v) { return {v.x, v.y, v.z}; }
-Json quaternionJson(const Quat& q) { return {q.s, q.v.x, q.v.y, q.v.z}; }
 
 }  // namespace
 

@@ -17,6 +17,8 @@ namespace rubble::io {
 Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
                 const std::function<Material(const Node&)>& material);
 Material readMaterial(const Node& node);
+/// Words for the values of Combine.
+const std::vector<std::string>& combineNames();
 MaterialPair readMaterialPair(const Node& node);
 
 nlohmann::ordered_json shapeJson(const Shape& shape);

@@ -10,14 +10,10 @@ namespace rubble::io {
 namespace {
 
 constexpr Want kLength{0, false, std::numeric_limits<double>::infinity(), "a length above 0 [m]"};
-constexpr Want kNotNegative{0, true, std::numeric_limits<double>::infinity(), "a number of at least 0"};
-constexpr Want kPositive{0, false, std::numeric_limits<double>::infinity(), "a number above 0"};
 constexpr Want kRatio{0, true, 1, "a number from 0 to 1"};
 /// A quaternion is taken as it is if its length is 1 to this much, and made unit if it is nearly so.
 constexpr double kUnit = 1e-12;
 constexpr double kNearlyUnit = 1e-3;
-
-const std::vector<std::string> kRules{"usual", "average", "minimum", "multiply", "maximum", "geometric_mean"};
 
 const std::vector<std::string>& shapeKeywords() {
   static const std::vector<std::string> names = [] {
@@ -27,6 +23,16 @@ const std::vector<std::string>& shapeKeywords() {
   }();
   return names;
 }
+
+}  // namespace
+
+const std::vector<std::string>& combineNames() {
+  static const std::vector<std::string> names{"usual",    "average", "minimum",
+                                              "multiply", "maximum", "geometric_mean"};
+  return names;
+}
+
+namespace {
 
 std::string oneOf(const std::vector<std::string>& names) {
   std::string out = "one of ";
@@ -181,7 +187,8 @@ Material readMaterial(const Node& node) {
     node.faultText("expected dynamic_friction of at most static_friction, got " +
                    describe(out.dynamicFriction) + " above " + describe(out.staticFriction));
   const auto rule = [&](const char* key, Combine& to) {
-    if (const auto found = object.get(key)) to = static_cast<Combine>(found->choice(kRules).value_or(0));
+    if (const auto found = object.get(key))
+      to = static_cast<Combine>(found->choice(combineNames()).value_or(0));
   };
   rule("friction_combine", out.frictionCombine);
   rule("restitution_combine", out.restitutionCombine);

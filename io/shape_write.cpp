@@ -8,11 +8,6 @@ namespace {
 
 using Ordered = nlohmann::ordered_json;
 
-constexpr std::array<const char*, 6> kRules{"usual",    "average", "minimum",
-                                            "multiply", "maximum", "geometric_mean"};
-
-Ordered vectorJson(const Vec3& v) { return {v.x, v.y, v.z}; }
-
 Ordered pointsJson(const std::vector<Vec3>& points) {
   Ordered list = Ordered::array();
   for (const Vec3& p : points) list.push_back(vectorJson(p));
@@ -31,9 +26,9 @@ nlohmann::ordered_json materialJson(const Material& material) {
   }
   if (!sameBits(material.restitution, 0)) json["restitution"] = material.restitution;
   if (material.frictionCombine != Combine::Usual)
-    json["friction_combine"] = kRules[static_cast<std::size_t>(material.frictionCombine)];
+    json["friction_combine"] = combineNames()[static_cast<std::size_t>(material.frictionCombine)];
   if (material.restitutionCombine != Combine::Usual)
-    json["restitution_combine"] = kRules[static_cast<std::size_t>(material.restitutionCombine)];
+    json["restitution_combine"] = combineNames()[static_cast<std::size_t>(material.restitutionCombine)];
   if (!sameBits(material.rollingFriction, 0)) json["rolling_friction"] = material.rollingFriction;
   if (!sameBits(material.torsionalFriction, 0)) json["torsional_friction"] = material.torsionalFriction;
   if (material.surfaceVelocity != Vec3{}) json["surface_velocity"] = vectorJson(material.surfaceVelocity);

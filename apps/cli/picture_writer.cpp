@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "render/framing.h"
-
 namespace rubble::cli {
 namespace {
 
@@ -15,7 +13,7 @@ constexpr int kSamplesGpu = 32, kSamplesSoftware = 8;
 PictureWriter::PictureWriter(const std::vector<PictureRequest>& requests, const Look& look,
                              const Vec3& gravity, const scenes::Camera& camera, const Appearance& appearance,
                              const std::vector<io::PictureBody>& atStart)
-    : look_(look), gravity_(gravity), camera_(camera) {
+    : look_(look), gravity_(gravity), camera_(camera), start_(atStart) {
   if (requests.empty()) return;
   for (const PictureRequest& request : requests)
     due_.push_back({request.afterSteps, render::pictureFile(request.file)});
@@ -23,7 +21,8 @@ PictureWriter::PictureWriter(const std::vector<PictureRequest>& requests, const 
   const int samples = device_->isSoftware() ? kSamplesSoftware : kSamplesGpu;
   render::PaintSettings settings{look.width, look.height, samples, look.colorBy};
   settings.appearance = appearance;
-  painter_ = device_->painter(atStart, gravity, cameraFor(atStart), settings);
+  const View view = viewOf(atStart);
+  painter_ = device_->painter(view.bodies, gravity, view.camera, settings);
 }
 
 bool PictureWriter::isDue(int steps) const {
@@ -31,7 +30,8 @@ bool PictureWriter::isDue(int steps) const {
 }
 
 void PictureWriter::take(int steps, const std::vector<io::PictureBody>& bodies) {
-  const io::Image image = painter_->paint(bodies, cameraFor(bodies));
+  const View view = viewOf(bodies);
+  const io::Image image = painter_->paint(view.bodies, view.camera);
   for (const Due& due : due_) {
     if (due.steps != steps) continue;
     due.sink->put(image);
@@ -39,13 +39,17 @@ void PictureWriter::take(int steps, const std::vector<io::PictureBody>& bodies) 
   }
 }
 
-render::Camera PictureWriter::cameraFor(const std::vector<io::PictureBody>& bodies) const {
+PictureWriter::View PictureWriter::viewOf(const std::vector<io::PictureBody>& bodies) const {
+  std::optional<Vec3> eye = look_.eye, target = look_.target;
+  if (!(camera_.eye == camera_.target))
+    eye = eye.value_or(camera_.eye), target = target.value_or(camera_.target);
   const double aspect = static_cast<double>(look_.width) / look_.height;
-  render::Camera camera = render::cameraShowing(bodies, gravity_, {{}, 0, aspect, look_.fieldOfView});
-  if (!(camera_.eye == camera_.target)) camera.eye = camera_.eye, camera.target = camera_.target;
-  camera.eye = look_.eye.value_or(camera.eye);
-  camera.target = look_.target.value_or(camera.target);
-  return camera;
+  const std::vector<io::PictureBody> moments[] = {start_, bodies};
+  const render::ViewPlan plan(moments, gravity_, {{}, 0, aspect, look_.fieldOfView}, !eye, eye);
+  View view{plan.shown(bodies), plan.camera(bodies)};
+  view.camera.eye = eye.value_or(view.camera.eye);
+  view.camera.target = target.value_or(view.camera.target);
+  return view;
 }
 
 }  // namespace rubble::cli

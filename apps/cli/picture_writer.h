@@ -6,14 +6,15 @@
 #include "apps/cli/output.h"
 #include "render/film.h"
 #include "render/painter.h"
+#include "render/view_plan.h"
 
 namespace rubble::cli {
 
 class PictureWriter {
  public:
   /// `atStart` is the scene as it begins, for light and colors. A camera whose eye is at its target stands
-  /// for one that shows everything. Throws Error if the pictures cannot be drawn or written. Nothing is
-  /// made ready if there are no requests.
+  /// for one that shows everything, around walls. Walls that hide what moves are left out. Throws Error if
+  /// the pictures cannot be drawn or written. Nothing is made ready if there are no requests.
   PictureWriter(const std::vector<PictureRequest>& requests, const Look& look, const Vec3& gravity,
                 const scenes::Camera& camera, const Appearance& appearance,
                 const std::vector<io::PictureBody>& atStart);
@@ -24,7 +25,12 @@ class PictureWriter {
   void take(int steps, const std::vector<io::PictureBody>& bodies);
 
  private:
-  render::Camera cameraFor(const std::vector<io::PictureBody>& bodies) const;
+  struct View {
+    std::vector<io::PictureBody> bodies;  ///< that are drawn
+    render::Camera camera;
+  };
+  /// Of the scene as it begins and as it is at some moment.
+  View viewOf(const std::vector<io::PictureBody>& bodies) const;
 
   struct Due {
     int steps;
@@ -34,6 +40,7 @@ class PictureWriter {
   Look look_;
   Vec3 gravity_;  ///< [m/s2]
   scenes::Camera camera_;
+  std::vector<io::PictureBody> start_;
   std::unique_ptr<render::PaintDevice> device_;
   std::unique_ptr<render::Painter> painter_;
 };

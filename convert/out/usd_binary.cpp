@@ -19,7 +19,7 @@ enum Type : std::uint64_t {
   kBool = 1,
   kInt = 3,
   kInt64 = 5,
-  kFloat = 8,
+  kFloat32 = 8,
   kDouble = 9,
   kString = 10,
   kToken = 11,
@@ -54,7 +54,7 @@ template <class T> constexpr Type typeOf() {
   if constexpr (std::is_same_v<T, Quat4h>) return kQuath;
   if constexpr (std::is_same_v<T, int>) return kInt;
   if constexpr (std::is_same_v<T, std::int64_t>) return kInt64;
-  if constexpr (std::is_same_v<T, float>) return kFloat;
+  if constexpr (std::is_same_v<T, float>) return kFloat32;
   return kToken;
 }
 
@@ -170,7 +170,7 @@ class BinaryLayer final : public UsdLayer {
     return std::visit([&](const auto& v) { return encode(v); }, value);
   }
   std::uint64_t encode(bool value) { return inlined(kBool, value); }
-  std::uint64_t encode(float value) { return inlined(kFloat, std::bit_cast<std::uint32_t>(value)); }
+  std::uint64_t encode(float value) { return inlined(kFloat32, std::bit_cast<std::uint32_t>(value)); }
   std::uint64_t encode(const Token& value) { return inlined(kToken, token(value.text)); }
   std::uint64_t encode(double value) { return encodeAt(kDouble, value); }
   std::uint64_t encode(const std::array<float, 2>& value) { return encodeAt(kVec2f, value); }

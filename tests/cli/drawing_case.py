@@ -30,9 +30,9 @@ class DrawingCase(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder.name, name)
 
-    def scene(self, bodies=3):
+    def scene(self, bodies=3, extra=()):
         with open(self.path("scene.json"), "w", encoding="utf-8") as file:
-            json.dump({**SCENE, "bodies": SCENE["bodies"][:bodies]}, file)
+            json.dump({**SCENE, "bodies": [*SCENE["bodies"][:bodies], *extra]}, file)
         return self.path("scene.json")
 
     def rubble(self, *arguments, status=0, environment=None):

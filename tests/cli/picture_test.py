@@ -69,6 +69,14 @@ class Picture(Case):
         self.assertIn((9, 3), ball)
         self.assertNotIn((6, 3), ball)
 
+    def test_walls_that_hide_what_moves_are_left_out(self):
+        camera = ["--eye", "0,-12,2", "--target", "0,0,2", "--fov", "50"]
+        wall = {"motion": "static", "shape": {"type": "box", "size": [8, 0.2, 8]}}
+        pictures = [self.picture(self.scene(extra=walls), *camera)
+                    for walls in ([], [{**wall, "position": [0, -4, 4]}], [{**wall, "position": [0, 4, 4]}])]
+        self.assertLessEqual(largest_difference(pictures[0], pictures[1]), 1)
+        self.assertGreater(largest_difference(pictures[0], pictures[2]), 2 * TOLERANCE)
+
     def test_after_steps(self):
         start, later = self.picture(self.scene()), self.picture(self.scene(), "--at", "30")
         self.assertGreater(largest_difference(start, later), 2 * TOLERANCE)
