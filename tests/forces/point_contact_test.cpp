@@ -1,0 +1,49 @@
+/// Contact rows of vertices: forces and warm start.
+#include <forces/point_contact.h>
+
+#include "tests/support/core.h"
+
+namespace rubble::RUBBLE_CORE {
+namespace {
+
+using test::Random;
+
+PointContact touching(Random& random) {
+  PointContact p{};
+  p.v[0] = 0, p.body = -1, p.weight[0] = 1;
+  p.n = random.direction();
+  p.active = 1, p.length = .1;
+  p.mu = p.muStatic = p.muDynamic = .5;
+  return p;
+}
+
+/// Equally stiff along all axes and far within its cone, it is a spring in space.
+TEST(PointContact, ThatSticksIsASpringAlongAllAxes) {
+  Random random(1);
+  for (int k = 0; k < 20; ++k) {
+    PointContact p = touching(random);
+    p.mu = p.muStatic = p.muDynamic = 1e6;
+    p.kN = p.kT = 300, p.lambdaN = 100;
+    const Vec3 d = random.vector(.1);
+    Block3 block;
+    p.accumulateVertex(testConstants(), false, d, 0, block);
+    EXPECT_TRUE(test::near(block.f, -(p.kN * d + p.lambdaN * p.n), 1e-9));
+  }
+}
+
+TEST(PointContact, StartsWithinItsConeWhicheverWayItWasPulled) {
+  Random random(2);
+  for (int k = 0; k < 20; ++k) {
+    PointContact p = touching(random), old = p;
+    const Real angle = random.uniform(0, 6.28), pull = random.uniform(1, 20);
+    old.keptN = 10, old.kept1 = pull * std::cos(angle), old.kept2 = pull * std::sin(angle);
+    old.kN = old.kT = 100, old.stick = 1;
+    beginPointContact(testConstants(), p, {1, 0, 0, 0}, &old);
+    const Real size = std::hypot(p.lambda1, p.lambda2), decay = p.lambdaN / old.keptN;
+    EXPECT_NEAR(size, std::min(decay * pull, p.muStatic * p.lambdaN), 1e-9);
+    EXPECT_NEAR(p.lambda1 * old.kept2, p.lambda2 * old.kept1, 1e-9) << "the direction stays";
+  }
+}
+
+}  // namespace
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,132 @@
+/// Parts of the step of deformable objects in closed form: shares, limits, boxes and sums.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "stages/coarse/soft_nodes.h"
+#include "stages/soft/spin.h"
+#include "stages/soft/strands.h"
+#include "stages/soft/vertex_contacts.h"
+#include "tests/support/core.h"
+
+namespace rubble::RUBBLE_CORE {
+namespace {
+
+using test::Random;
+
+TEST(KeptSpin, IsTheMostThatDoesNotSpinFasterThanBefore) {
+  Random random(5);
+  int limited = 0;
+  for (int k = 0; k < 500; ++k) {
+    const Vec3 before = random.vector(2), after = random.vector(1.5), lost = random.vector(2);
+    const Real share = FindSpins::keptShare(before, after, lost),
+               most = std::max(length(before), length(after));
+    ASSERT_TRUE(share >= 0 && share <= 1) << k;
+    EXPECT_LE(length(after - share * lost), most * (1 + 1e-9)) << k;
+    if (share == 1) continue;
+    ++limited;
+    EXPECT_GT(length(after - (share + 1e-6) * lost), most) << k;
+  }
+  EXPECT_GT(limited, 50);
+  EXPECT_EQ(FindSpins::keptShare({1, 0, 0}, {1, 0, 0}, {0, 0, 0}), 0);
+}
+
+TEST(StrandRotation, IsTheRelativeMotionOfNeighborsOverTheirLimit) {
+  StrandWork work[3]{};
+  const Vec3 moved[3] = {{.1, .2, .3}, {.4, .2, -.1}, {.4, .2, -.1}};
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < 3; ++i) work[k].x[i] = moved[k][i];
+  const StrandRows rows(work, 9);
+  constexpr Real kReach = .25;
+  EXPECT_NEAR(strandRotation(rows, 1, kReach), .5 / (kMaxStrandRotation * kReach), 1e-12);
+  EXPECT_EQ(strandRotation(rows, 2, kReach), 0) << "they move alike";
+  work[2].x[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(strandRotation(rows, 2, kReach), kNoStrandRotation);
+}
+
+TEST(SoftNodeSum, IsThatOfTheSharesOfAnyNumberOfWorkers) {
+  constexpr int kParts = 7;
+  Random random(6);
+  std::vector<ClusterMotion> motion(kParts);
+  for (ClusterMotion& m : motion) m.push.f = random.vector();
+  Cluster cluster{};
+  cluster.sliceBegin = 1, cluster.sliceEnd = kParts;
+  SoftNode node{0, 0, 1};
+  SolverData s{};
+  s.cluster = &cluster, s.softNode = &node, s.clusterMotion = motion.data();
+  Vec3 expected{0, 0, 0};
+  for (std::size_t k = 1; k < kParts; ++k) expected += motion[k].push.f;
+  for (int workers : {1, 2, 4, 16}) {
+    Block3 sum;
+    for (int worker = 0; worker < workers; ++worker) SumSoftNode::addShare(s, 0, worker, workers, sum);
+    EXPECT_TRUE(test::near(sum.f, expected, 1e-12)) << workers;
+  }
+}
+
+/// A vertex, or a triangle of three vertices, that may move.
+struct Vertices {
+  static constexpr int kCount = 4;
+  StepConstants step = testConstants();
+  VertexParams params[kCount]{};
+  Vec3d position[kCount]{};
+  Vec3 velocity[kCount]{}, moved[kCount]{};
+  SolverData view{};
+
+  Vertices() {
+    view.step = &step, view.vertices = kCount;
+    view.vertexParams = params, view.vertexPosition = position;
+    view.vertexVelocity = velocity, view.vertexMoved = moved;
+  }
+};
+
+/// What a small particle may touch in a step includes what it falls onto from rest.
+TEST(VertexBounds, HoldTheFallOfASmallParticle) {
+  Vertices v;
+  v.params[0].radius = v.params[0].length = 1e-5;
+  v.velocity[0] = {.3, 0, 0};
+  const SweptBox box = vertexBounds(v.view, 0);
+  for (const Real t : {0., 1.}) {
+    const Vec3 at = t * v.step.dt * (v.velocity[0] + v.step.dt * v.step.gravity);
+    const Vec3 off = abs(at - box.center);
+    for (int k = 0; k < 3; ++k) EXPECT_LE(off[k], box.half[k]);
+  }
+}
+
+TEST(LongestDetour, ScalesWithTheSurfaceAndItsMotion) {
+  Vertices v;
+  for (const Real size : {1e-4, 1., 1e3}) {
+    v.params[0].surfaceRadius = size;
+    v.moved[0] = {0, 0, 0};
+    EXPECT_NEAR(longestDetour(v.view, 0), kDetourRadii * size, 1e-12 * size);
+    v.moved[0] = {3 * size, 0, -4 * size};
+    EXPECT_NEAR(longestDetour(v.view, 0), kDetourRadii * size + kDetourShare * 5 * size, 1e-12 * size);
+  }
+}
+
+/// A list of partners with other numbers between them is thinned out as one without.
+TEST(Partners, ThatAreSidesOfOthersAreDroppedAtAnyStride) {
+  Vertices v;
+  SurfaceFeature features[2]{};
+  features[0] = {FeatureKind::Triangle, {0, 1, 2}, {1, -1, -1}, {-1, -1}, {kNoSource, kNoSource}};
+  features[1] = {FeatureKind::Edge, {0, 1, -1}, {-1, -1, -1}, {2, -1}, {kNoSource, kNoSource}};
+  v.view.feature = features, v.view.features = 2;
+  const int triangle = kFeatureNode, edge = kFeatureNode + 1, corner = kCornerNode + 2, other = kCornerNode + 3;
+  const std::vector<std::vector<int>> lists = {
+      {edge, triangle, corner, other}, {corner, other, edge}, {triangle}, {other, corner, triangle, edge}};
+  const std::vector<std::vector<int>> kept = {
+      {triangle, other}, {corner, other, edge}, {triangle}, {other, triangle}};
+  for (std::size_t n = 0; n < lists.size(); ++n)
+    for (const int stride : {1, 2, 3}) {
+      std::vector<int> list(lists[n].size() * static_cast<std::size_t>(stride), -7);
+      for (std::size_t k = 0; k < lists[n].size(); ++k)
+        list[k * static_cast<std::size_t>(stride)] = lists[n][k];
+      const int count = dropSides(v.view, 0, static_cast<int>(lists[n].size()), list.data(), stride);
+      std::vector<int> found;
+      for (int k = 0; k < count; ++k) found.push_back(list[static_cast<std::size_t>(k * stride)]);
+      // an owner that is an edge keeps all of its partners; this one is a vertex
+      EXPECT_EQ(found, kept[n]) << n << ", stride " << stride;
+    }
+}
+
+}  // namespace
+}  // namespace rubble::RUBBLE_CORE
