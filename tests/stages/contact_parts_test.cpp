@@ -1,10 +1,12 @@
-/// Parts of contacts in closed form: paths of points on round bodies, one-way surfaces, rules of materials.
+/// Parts of contacts in closed form: paths of points on round bodies, drift and cones of points, impulses,
+/// one-way surfaces, rules of materials.
 #include <gtest/gtest.h>
 
 #include <vector>
 
+#include "stages/bounces/impact.h"
 #include "stages/contacts/one_way.h"
-#include "stages/contacts/rolled.h"
+#include "stages/contacts/stored_points.h"
 #include "tests/support/core.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -38,6 +40,98 @@ TEST(SweptPoint, OfARollingShapeGoesAlongTheArc) {
     // slow rotations count as those of material points, which is the same to second order
     const Vec3 slow = dw * Real(1e-3);
     EXPECT_TRUE(test::near(swept(ball, slow, round, out), cross(slow, round), 1e-6));
+  }
+}
+
+/// Two boxes with a contact whose points have random levers and have moved at random.
+struct Touching {
+  StepConstants step = testConstants();
+  BodyParams params[2]{};
+  Vec3d position[2]{};
+  Quat orientation[2]{};
+  BodyTarget target[2]{};
+  ContactRows rows{};
+  Displacement a{}, b{};
+  SolverData view{};
+
+  explicit Touching(Random& random) {
+    for (int i = 0; i < 2; ++i) {
+      params[i].shape = {{.3, .2, .1}, 0, ShapeKind::Box, -1};
+      params[i].kind = BodyKind::Dynamic, params[i].inertia = Vec3{2, 2, 2} + random.vector(.5);
+      orientation[i] = random.rotation();
+      target[i].mass = massMatrix(random.uniform(1, 3), params[i].inertia, orientation[i]);
+    }
+    rows.a = 0, rows.b = 1, rows.n = random.direction(), rows.offset = random.vector();
+    rows.start = 10, rows.length = .5, rows.most = 1e30;
+    for (int k = 0; k < kLanes; ++k) rows.place[k].rA = random.vector(), rows.place[k].c0 = -.01 * k;
+    // rotations below the threshold of sweptBy()
+    a = {random.vector(.01), 0, random.vector(.002), 0}, b = {random.vector(.01), 0, random.vector(.002), 0};
+    view.step = &step, view.params = params, view.position = position, view.orientation = orientation;
+    view.target = target;
+  }
+  /// Displacement of point k on A relative to that on B.
+  Vec3 moved(int k) const {
+    const Vec3 rA = rows.place[k].rA, rB = rA + rows.offset;
+    return a.dp + cross(a.dw, rA) - b.dp - cross(b.dw, rB);
+  }
+};
+
+TEST(StoredPoints, AddTheirMotionToTheDriftThatTheyHad) {
+  Random random(4);
+  for (int round = 0; round < 20; ++round) {
+    Touching x(random);
+    x.rows.muStatic = .6, x.rows.muDynamic = .4;
+    const StoredFrame frame = storedFrame(x.rows.n, x.a, x.b);
+    for (int k = 0; k < kLanes; ++k) {
+      const bool slips = k % 2 == 1;
+      x.rows.load[k] = {10, 0, slips ? Real(4) : Real(1), 100};
+      x.rows.slip[k].mu = .4, x.rows.slip[k].kT = 100;
+      x.rows.slip[k].drift1 = .01, x.rows.slip[k].drift2 = -.02;
+      PointBefore before;
+      before.drift1 = -.03, before.drift2 = .05;
+      const StoredPoint stored = storedPoint(x.view, x.rows, frame, k, false, before);
+      EXPECT_EQ(stored.sticks, !slips);
+      // one that slips keeps what its row has not corrected; one that sticks, all drift since it stuck
+      const Real start1 = slips ? .01 : -.03, start2 = slips ? -.02 : .05;
+      EXPECT_NEAR(stored.memory.drift1, start1 + dot(frame.t1, x.moved(k)), 1e-5);
+      EXPECT_NEAR(stored.memory.drift2, start2 + dot(frame.t2, x.moved(k)), 1e-5);
+    }
+  }
+}
+
+TEST(ContactRows, StartWithinTheirConeWhicheverWayTheyWerePulled) {
+  Random random(5);
+  Touching x(random);
+  PairRows pair{};
+  pair.bodies = {0, 1}, pair.mu = .5;
+  for (int round = 0; round < 20; ++round) {
+    Manifold m{};
+    m.count = 1, m.activePoints = 1;
+    const Real pull = random.uniform(1, 20), angle = random.uniform(0, 6.28);
+    m.lambdaN[0] = 10, m.lambda1[0] = pull * std::cos(angle), m.lambda2[0] = pull * std::sin(angle);
+    m.kN[0] = m.kT[0] = 100;
+    const Quad<Real> load = pointRows<Real>(x.view, m, pair, {}, x.rows, 0).load;
+    const Real decay = load.x / m.lambdaN[0];
+    EXPECT_NEAR(std::hypot(load.y, load.z), std::min(decay * pull, pair.mu * load.x), 1e-9);
+    EXPECT_NEAR(load.y * m.lambda2[0], load.z * m.lambda1[0], 1e-9) << "the direction stays";
+  }
+}
+
+TEST(Impact, PushesAsManyStrikesAlongTheNormalWould) {
+  Random random(6);
+  for (int round = 0; round < 20; ++round) {
+    Touching x(random);
+    const Impact impact(x.view, x.rows);
+    const BodyMotion still{{0, 0, 0}, {0, 0, 0}};
+    BodyMotion pushed[2] = {still, still}, struck[2] = {still, still};
+    const Real p[kLanes] = {1, .5, 0, 2}, times = 1.5;
+    impact.push(p, times, pushed[0], pushed[1]);
+    for (int k = 0; k < kLanes; ++k) impact.strike(k, times * p[k] * x.rows.n, struck[0], struck[1]);
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_TRUE(test::near(pushed[i].v, struck[i].v, 1e-12));
+      EXPECT_TRUE(test::near(pushed[i].w, struck[i].w, 1e-12));
+    }
+    EXPECT_TRUE(test::near(x.target[0].mass.mass * pushed[0].v, -x.target[1].mass.mass * pushed[1].v, 1e-12));
   }
 }
 

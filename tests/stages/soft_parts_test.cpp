@@ -103,6 +103,25 @@ TEST(LongestDetour, ScalesWithTheSurfaceAndItsMotion) {
   }
 }
 
+/// Two layers fall together, 1 mm apart: the lower one may stop, so their contact stays active. Layers that
+/// move apart do not meet even then.
+TEST(InactivePoints, AreOpenWithEitherSideAtRest) {
+  for (const bool apart : {false, true}) {
+    Vertices v;
+    v.step.inactiveRows = true;
+    const Vec3 fall = v.step.dt * v.step.dt * v.step.gravity;
+    Vec3 target[Vertices::kCount] = {apart ? -fall : fall, fall, fall, fall};
+    PointPair pair{};
+    pair.other = kFeatureNode;
+    PointContact p{};
+    p.body = -1, p.active = 1, p.n = {0, 0, -1}, p.c0 = -.001, p.length = .1, p.kN = p.kT = 1;
+    for (int k = 0; k < Vertices::kCount; ++k) p.v[k] = k, p.weight[k] = k == 0 ? 1 : Real(-1) / 3;
+    v.view.vertexTarget = target, v.view.pointPair = &pair, v.view.pointContact = &p;
+    MarkInactivePoints{}(v.view, 0);
+    EXPECT_EQ(p.kN > 0, !apart);
+  }
+}
+
 /// A list of partners with other numbers between them is thinned out as one without.
 TEST(Partners, ThatAreSidesOfOthersAreDroppedAtAnyStride) {
   Vertices v;
