@@ -76,7 +76,7 @@ TEST(Features, NearestPointsOfParallelEdgesAreAtAnEnd) {
 }
 
 TEST(Features, NearestPointsScaleWithTheEdges) {
-  for (const Real size : {1e-6, 1., 1e6}) {
+  for (const Real size : {1e-9, 1., 1e6}) {
     const Vec3 x[4] = {{-size, 0, 0}, {3 * size, 0, 0}, {0, -size, size}, {0, size, size}};
     Real c[4];
     EXPECT_NEAR(length(nearestOfFeatures(x, 2, c)) / size, 1, 1e-12) << size;

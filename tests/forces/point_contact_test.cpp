@@ -31,17 +31,26 @@ TEST(PointContact, ThatSticksIsASpringAlongAllAxes) {
   }
 }
 
+/// The direction of the pull decides neither its size nor the stiffness that holds it.
 TEST(PointContact, StartsWithinItsConeWhicheverWayItWasPulled) {
   Random random(2);
-  for (int k = 0; k < 20; ++k) {
-    PointContact p = touching(random), old = p;
-    const Real angle = random.uniform(0, 6.28), pull = random.uniform(1, 20);
-    old.keptN = 10, old.kept1 = pull * std::cos(angle), old.kept2 = pull * std::sin(angle);
-    old.kN = old.kT = 100, old.stick = 1;
-    beginPointContact(testConstants(), p, {1, 0, 0, 0}, &old);
-    const Real size = std::hypot(p.lambda1, p.lambda2), decay = p.lambdaN / old.keptN;
-    EXPECT_NEAR(size, std::min(decay * pull, p.muStatic * p.lambdaN), 1e-9);
-    EXPECT_NEAR(p.lambda1 * old.kept2, p.lambda2 * old.kept1, 1e-9) << "the direction stays";
+  StepConstants c = testConstants();
+  c.contactPolicy = StiffnessPolicy::FollowLoad;
+  for (const Real pull : {1., 4., 20.}) {
+    Real stiffness = 0;
+    for (int k = 0; k < 12; ++k) {
+      PointContact p = touching(random), old = p;
+      const Real angle = .5 * k;
+      old.keptN = 10, old.kept1 = pull * std::cos(angle), old.kept2 = pull * std::sin(angle);
+      old.kN = old.kT = 100, old.stick = 1;
+      beginPointContact(c, p, {1, 0, 0, 0}, &old);
+      const Real size = std::hypot(p.lambda1, p.lambda2), decay = p.lambdaN / old.keptN;
+      EXPECT_NEAR(size, std::min(decay * pull, p.muStatic * p.lambdaN), 1e-9);
+      EXPECT_NEAR(p.lambda1 * old.kept2, p.lambda2 * old.kept1, 1e-9) << "the direction stays";
+      if (k == 0) stiffness = p.kT;
+      EXPECT_NEAR(p.kT, stiffness, 1e-9 * stiffness) << angle;
+    }
+    EXPECT_GT(stiffness, 0);
   }
 }
 

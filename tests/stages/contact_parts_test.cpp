@@ -6,6 +6,7 @@
 
 #include "stages/bounces/impact.h"
 #include "stages/contacts/one_way.h"
+#include "stages/contacts/rolling.h"
 #include "stages/contacts/stored_points.h"
 #include "tests/support/core.h"
 
@@ -115,6 +116,34 @@ TEST(ContactRows, StartWithinTheirConeWhicheverWayTheyWerePulled) {
     EXPECT_NEAR(std::hypot(load.y, load.z), std::min(decay * pull, pair.mu * load.x), 1e-9);
     EXPECT_NEAR(load.y * m.lambda2[0], load.z * m.lambda1[0], 1e-9) << "the direction stays";
   }
+}
+
+/// The row of a ball on a slab that is also free must not be stiffer than the ball is heavy.
+TEST(RollingRow, StartsAsStiffAsTheLighterBodyIsHeavy) {
+  Random random(7);
+  Touching x(random);
+  SurfaceData surface{};
+  surface.rolling = .01;
+  Manifold manifold{};
+  manifold.normal = {0, 0, 1};
+  Pair pair{};
+  pair.owner = 0, pair.other = 1;
+  RollingRows rolling{};
+  int activePair = 0, before = -1, hasRows = 1;
+  x.view.surfaces = 1, x.view.surface = &surface, x.view.manifold = &manifold, x.view.pair = &pair;
+  x.view.rolling = &rolling, x.view.activePair = &activePair, x.view.manifoldBefore = &before;
+  x.view.hasRows = &hasRows;
+  const auto stiffness = [&](Real massA, Real massB) {
+    for (BodyParams& p : x.params) p.surface = 0, p.radius = .4;
+    x.params[0].mass = massA, x.params[1].mass = massB;
+    BuildRolling{}(x.view, 0);
+    return rolling.kRoll;
+  };
+  EXPECT_GT(stiffness(2, 2), 0);
+  EXPECT_EQ(stiffness(2, 1000), stiffness(2, 2));
+  EXPECT_EQ(stiffness(1000, 2), stiffness(2, 2));
+  x.params[0].kind = BodyKind::Static;
+  EXPECT_EQ(stiffness(0, 2), stiffness(2, 2));
 }
 
 TEST(Impact, PushesAsManyStrikesAlongTheNormalWould) {

@@ -92,7 +92,7 @@ TEST(VertexBounds, HoldTheFallOfASmallParticle) {
   }
 }
 
-TEST(LongestDetour, ScalesWithTheSurfaceAndItsMotion) {
+TEST(DetourLimit, ScalesWithTheSurfaceAndItsMotion) {
   Vertices v;
   for (const Real size : {1e-4, 1., 1e3}) {
     v.params[0].surfaceRadius = size;
