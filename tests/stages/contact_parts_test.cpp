@@ -164,6 +164,26 @@ TEST(Impact, PushesAsManyStrikesAlongTheNormalWould) {
   }
 }
 
+/// Boxes that lie against one another at rest and are pulled apart are free of one another at once.
+TEST(ActivePoints, AreThoseThatDoNotStayOpenAtTheTargets) {
+  Random random(9);
+  Touching x(random);
+  x.step.inactiveRows = true;
+  Vec3 still[2]{};
+  int bound[2]{};
+  x.view.velocity = x.view.angularVelocity = still, x.view.impactSpeedBound = bound;
+  PairPose pose{};
+  pose.length = .5, pose.t = {0, 0, .2};
+  PointAt point{};
+  point.lever = {0, 0, .1}, point.depth = 0;
+  for (const Real opens : {-.1, 0., .9, 1.1, 50.}) {
+    ActivationRule isActive{};
+    isActive.b.dp = {0, 0, opens * kInactiveGap * pose.length};
+    EXPECT_EQ(isActive(x.view, {0, 1}, pose, {0, 0, 1}, point, 0), opens < 1) << opens;
+    EXPECT_TRUE(isActive(x.view, {0, 1}, pose, {0, 0, 1}, point, 1)) << "it carries load";
+  }
+}
+
 TEST(OneWay, HoldsWithinSixtyDegreesOfItsDirection) {
   const Vec3 way{0, 0, 1};
   const auto normalAt = [](Real cosine) { return Vec3{std::sqrt(1 - cosine * cosine), 0, cosine}; };

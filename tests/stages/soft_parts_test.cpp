@@ -103,6 +103,75 @@ TEST(DetourLimit, ScalesWithTheSurfaceAndItsMotion) {
   }
 }
 
+/// A triangle of a surface, and a body with a corner over or under it.
+struct OverTriangle : Vertices {
+  static constexpr int kOwner = kCount;
+  BodyParams body{};
+  Vec3d bodyPosition{.1, .1, 0};
+  PlacedCorner corner{};
+  int offset[kOwner + 2]{};
+  PointPair pairs[2]{};
+  PointContact contacts[2]{};
+  SurfacePart triangle{{0, 1, 2}, 3, false};
+
+  OverTriangle() {
+    position[1] = {1, 0, 0}, position[2] = {0, 1, 0};
+    for (VertexParams& p : params) p.length = .1, p.radius = .002, p.collides = kHasInside;
+    corner.radius = .01;
+    view.params = &body, view.position = &bodyPosition;
+    view.oldPointPairOffset = offset, view.oldPointPair = pairs, view.oldPointContact = contacts;
+  }
+  CornerReach reachAt(Real height) {
+    corner.at = {.2, .1, height};
+    return reachPart(view, 0, corner, triangle, {{0, 0, 0}, 0});
+  }
+};
+
+TEST(CornerTouch, IsAtTheNearestPointOfTheSurface) {
+  OverTriangle x;
+  const CornerReach r = x.reachAt(.05);
+  ASSERT_TRUE(r.touch.valid);
+  EXPECT_TRUE(test::near(r.touch.n, Vec3{0, 0, 1}, 1e-12));
+  EXPECT_TRUE(test::near(r.touch.foot, Vec3{.2, .1, 0}, 1e-12));
+  EXPECT_NEAR(r.touch.distance, .05, 1e-12);
+  EXPECT_NEAR(r.gap, .05 - .01 - .002, 1e-12) << "both are round";
+}
+
+TEST(CornerTouch, HoldsCornersBelowASurfaceToAShareOfItsSize) {
+  OverTriangle x;
+  const Real least = kHeldFromBelow * x.params[0].length;
+  EXPECT_TRUE(x.reachAt(-.9 * least).touch.valid);
+  EXPECT_FALSE(x.reachAt(-1.1 * least).touch.valid);
+}
+
+/// The side on which the triangle itself held the corner comes before those of its neighbors.
+TEST(HeldSide, IsThatOfTheFeatureItself) {
+  OverTriangle x;
+  x.offset[OverTriangle::kOwner + 1] = 2;
+  for (const int own : {0, 1}) {
+    PointContact &self = x.contacts[own], &neighbor = x.contacts[1 - own];
+    self.n = {0, 0, -1}, self.length = .1, self.active = 1;
+    neighbor.n = {-1, 0, 0}, neighbor.length = .2, neighbor.active = 1;
+    for (int k = 0; k < kPointCorners; ++k) self.v[k] = k < 3 ? k : -1, neighbor.v[k] = k == 0 ? 1 : -1;
+    const HeldSide held = heldSide(x.view, OverTriangle::kOwner, x.triangle);
+    EXPECT_TRUE(test::near(held.side, Vec3{0, 0, 1}, 0)) << own;
+    EXPECT_EQ(held.behind, .1);
+  }
+}
+
+TEST(SharedRow, OfACornerWithoutWeightAddsNothing) {
+  struct {
+    Real weight[2] = {0, Real(-.5)};
+  } row;
+  const auto add = [](Block3& b) { b.f += Vec3{1, 2, 3}, b.addDiagonal(4); };
+  Block3 none, half;
+  addShared(row, 0, none, add), addShared(row, 1, half, add);
+  EXPECT_EQ(length(none.f), 0);
+  EXPECT_EQ(none.h.xx, 0);
+  EXPECT_EQ(half.f.y, 2);
+  EXPECT_EQ(half.h.xx, 8);
+}
+
 /// Two layers fall together, 1 mm apart: the lower one may stop, so their contact stays active. Layers that
 /// move apart do not meet even then.
 TEST(InactivePoints, AreOpenWithEitherSideAtRest) {
