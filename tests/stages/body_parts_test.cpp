@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "stages/ccd/unpaired_impacts.h"
+#include "stages/islands/island_momentum.h"
 #include "stages/trees/trees.h"
 #include "tests/support/core.h"
 
@@ -94,6 +95,35 @@ TEST(SweptBounds, HoldATurningBodyAtAllTimes) {
         const Vec3 off = abs(at - bounds.center);
         for (int axis = 0; axis < 3; ++axis) EXPECT_LE(off[axis], bounds.half[axis] + 1e-12) << round;
       }
+  }
+}
+
+/// An island that loses all motion relative to its rigid motion has the latter alone.
+TEST(IslandRepair, TakesWhatIsNotRigidMotion) {
+  Random random(3);
+  for (int round = 0; round < 20; ++round) {
+    StepConstants step = testConstants();
+    BodyParams params = dynamicBody({{1, Real(.5), Real(.2)}, 0, ShapeKind::Box, -1});
+    params.inertia = {random.uniform(2, 3), random.uniform(3, 4), random.uniform(4, 5)};
+    Vec3d position = random.vector();
+    Quat orientation = random.rotation();
+    Vec3 velocity = random.vector(), spin = random.vector(.2);
+    BodyTarget target{};
+    target.y.p = step.dt * random.vector();
+    IslandRepair repair{};
+    repair.center = random.vector(), repair.velocity = random.vector(), repair.spin = random.vector(.2);
+    repair.loss = 1, repair.active = 1;
+    int slot = 0, root = 0;
+    Counters counters{};
+    counters.freeIslands = 1;
+    SolverData s{};
+    s.step = &step, s.params = &params, s.position = &position, s.orientation = &orientation;
+    s.velocity = &velocity, s.angularVelocity = &spin, s.target = &target, s.counters = &counters;
+    s.islandRepair = &repair, s.islandSlot = &slot, s.rowIsland = &root;
+    RepairBodies{}(s, 0);
+    const Vec3 arm(position - repair.center), rigid = repair.velocity + cross(repair.spin, arm);
+    EXPECT_TRUE(test::near(velocity, step.inverseDt * target.y.p + rigid, 1e-12)) << round;
+    EXPECT_TRUE(test::near(spin, repair.spin, 1e-3)) << round;
   }
 }
 

@@ -1,12 +1,13 @@
 /// Parts of the step of deformable objects in closed form: shares, limits, boxes and sums.
 #include <gtest/gtest.h>
 
+#include <set>
 #include <vector>
 
 #include "stages/coarse/soft_nodes.h"
 #include "stages/soft/spin.h"
 #include "stages/soft/strands.h"
-#include "stages/soft/vertex_contacts.h"
+#include "stages/soft/vertex_graph.h"
 #include "tests/support/core.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -78,6 +79,51 @@ struct Vertices {
     view.vertexVelocity = velocity, view.vertexMoved = moved;
   }
 };
+
+/// A free solid of four vertices in one cluster.
+struct FreeSolid : Vertices {
+  PaddedVec3 place[kCount]{};
+  int members[kCount] = {0, 1, 2, 3}, tetraOffset[kCount + 1] = {0, 1, 1, 1, 1};
+  Cluster cluster{};
+  ClusterMotion motion{};
+  SoftNode node{0, 0, 1};
+
+  explicit FreeSolid(Random& random) {
+    cluster.end = kCount, cluster.sliceEnd = 1;
+    for (int k = 0; k < kCount; ++k) {
+      params[k].mass = random.uniform(1, 2);
+      place[k] = random.vector(), velocity[k] = random.vector(), moved[k] = random.vector(.1);
+    }
+    view.vertexPlace = place, view.clusterMember = members, view.tetraCornerOffset = tetraOffset;
+    view.cluster = &cluster, view.clusterMotion = &motion, view.softNode = &node, view.softNodes = 1;
+  }
+  /// The rotation that is given back while all of it also moves at `common`.
+  Vec3 turn(const Vec3& common) {
+    Vec3 momentum{0, 0, 0};
+    motion = {};
+    for (int k = 0; k < kCount; ++k) {
+      velocity[k] += common, moved[k] += step.dt * common;
+      motion.mass += params[k].mass, momentum += params[k].mass * velocity[k];
+    }
+    motion.velocity = momentum / motion.mass;
+    SumSpins{}(view, 0), FindSpins{}(view, 0);
+    for (int k = 0; k < kCount; ++k) velocity[k] -= common, moved[k] -= step.dt * common;
+    return motion.step.ang;
+  }
+};
+
+TEST(KeptSpin, DoesNotDependOnHowTheSolidMovesAsAWhole) {
+  Random random(7);
+  int turns = 0;
+  for (int round = 0; round < 100; ++round) {
+    FreeSolid solid(random);
+    const Vec3 alone = solid.turn({0, 0, 0});
+    turns += length(alone) > 0;
+    for (const Vec3& common : {random.vector(3), random.vector(30)})
+      EXPECT_TRUE(test::near(solid.turn(common), alone, 1e-9 * (1 + length(alone)))) << round;
+  }
+  EXPECT_GT(turns, 20);
+}
 
 /// What a small particle may touch in a step includes what it falls onto from rest.
 TEST(VertexBounds, HoldTheFallOfASmallParticle) {
@@ -170,6 +216,49 @@ TEST(SharedRow, OfACornerWithoutWeightAddsNothing) {
   EXPECT_EQ(none.h.xx, 0);
   EXPECT_EQ(half.f.y, 2);
   EXPECT_EQ(half.h.xx, 8);
+}
+
+/// A body that is attached to four vertices is listed once, and they are its neighbors.
+TEST(SoftIncidences, OfABodyAreOneForEachVertexWithCodesOfTheirOwn) {
+  Vertices v;
+  for (VertexParams& p : v.params) p.kind = VertexKind::Dynamic;
+  BodyParams body{};
+  body.kind = BodyKind::Dynamic;
+  Attachment attachments[2]{};
+  for (Attachment& a : attachments) {
+    a.alive = 1, a.body = 0, a.depth = 2;
+    for (int k = 0; k < kPointCorners; ++k) a.v[k] = k;
+  }
+  int offset[2]{}, count[1]{};
+  Incidence incidences[2 * kPointCorners]{};
+  v.view.params = &body, v.view.attachment = attachments, v.view.incidence = incidences;
+  v.view.incidenceOffset = offset, v.view.incidenceCount = count;
+  for (int i = 0; i < 2; ++i) CountSoftIncidences<AttachmentBlocks>{}(v.view, i);
+  ASSERT_EQ(count[0], 2 * kPointCorners);
+  for (int i = 0; i < 2; ++i) FillSoftIncidences<AttachmentBlocks>{}(v.view, i);
+  std::set<std::uint32_t> codes;
+  std::multiset<int> neighbors;
+  for (const Incidence& incidence : incidences)
+    codes.insert(incidence.code), neighbors.insert(incidence.other - kVertexNode);
+  EXPECT_EQ(codes.size(), 2u * kPointCorners);
+  EXPECT_EQ(neighbors, (std::multiset<int>{0, 0, 1, 1, 2, 2, 3, 3}));
+}
+
+TEST(Attachment, OfFourVerticesHoldsTheirWeightedMean) {
+  Vertices v;
+  Attachment a{};
+  a.alive = 1, a.body = kWorldBody, a.k = 1, a.compliance = 1, a.length = 1, a.mass = 1;
+  a.worldPoint = {1, 2, 3};
+  Vec3d mean{0, 0, 0};
+  for (int k = 0; k < kPointCorners; ++k) {
+    v.params[k].kind = VertexKind::Dynamic, v.params[k].mass = 1;
+    v.position[k] = {k - 1., .5 * k, k * k + 2.};
+    a.v[k] = k, a.weight[k] = k == 0 ? Real(-.3) : k == 1 ? Real(-.2) : Real(-.25);
+    mean -= static_cast<double>(a.weight[k]) * v.position[k];
+  }
+  v.view.attachment = &a;
+  BeginAttachments{}(v.view, 0);
+  EXPECT_TRUE(test::near(a.c0, Vec3(a.worldPoint - mean), 1e-12));
 }
 
 /// Two layers fall together, 1 mm apart: the lower one may stop, so their contact stays active. Layers that
