@@ -36,21 +36,22 @@ TEST(PointContact, StartsWithinItsConeWhicheverWayItWasPulled) {
   Random random(2);
   StepConstants c = testConstants();
   c.contactPolicy = StiffnessPolicy::FollowLoad;
-  for (const Real pull : {1., 4., 20.}) {
+  constexpr Real kLoad = 1e6;  // stiffens the rows [N]
+  for (const Real pull : {1 * kLoad, 4 * kLoad, 20 * kLoad}) {
     Real stiffness = 0;
     for (int k = 0; k < 12; ++k) {
       PointContact p = touching(random), old = p;
       const Real angle = .5 * k;
-      old.keptN = 10, old.kept1 = pull * std::cos(angle), old.kept2 = pull * std::sin(angle);
+      old.keptN = 10 * kLoad, old.kept1 = pull * std::cos(angle), old.kept2 = pull * std::sin(angle);
       old.kN = old.kT = 100, old.stick = 1;
       beginPointContact(c, p, {1, 0, 0, 0}, &old);
       const Real size = std::hypot(p.lambda1, p.lambda2), decay = p.lambdaN / old.keptN;
-      EXPECT_NEAR(size, std::min(decay * pull, p.muStatic * p.lambdaN), 1e-9);
-      EXPECT_NEAR(p.lambda1 * old.kept2, p.lambda2 * old.kept1, 1e-9) << "the direction stays";
+      EXPECT_NEAR(size, std::min(decay * pull, p.muStatic * p.lambdaN), 1e-9 * kLoad);
+      EXPECT_NEAR(p.lambda1 * old.kept2, p.lambda2 * old.kept1, 1e-9 * kLoad * kLoad) << "direction";
       if (k == 0) stiffness = p.kT;
       EXPECT_NEAR(p.kT, stiffness, 1e-9 * stiffness) << angle;
+      EXPECT_GT(p.kT, 2 * p.start) << "the load stiffens it";
     }
-    EXPECT_GT(stiffness, 0);
   }
 }
 
