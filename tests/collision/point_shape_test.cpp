@@ -170,8 +170,8 @@ TEST(PointDistance, KeepsThePointOnItsSideOfATwoSidedSheet) {
 
 TEST(PointDistance, OfACompoundIsThatOfItsNearestPart) {
   Shelf shelf;
-  const ShapeData bar = shelf.add(Shape::compound({{Shape::sphere(.1), {-1, 0, 0}, {}},
-                                                   {Shape::box({.1, .2, .3}), {1, 0, 0}, {}}}));
+  const ShapeData bar = shelf.add(
+      Shape::compound({{Shape::sphere(.1), {-1, 0, 0}, {}}, {Shape::box({.1, .2, .3}), {1, 0, 0}, {}}}));
   const ShapeTables tables = shelf.tables();
   Random random(14);
   for (int round = 0; round < 200; ++round) {

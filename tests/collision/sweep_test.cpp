@@ -30,8 +30,7 @@ PlacedAny placedAt(const Shelf& shelf, const ShapeData& s, const Vec3d& p) {
 
 TEST(FieldDistance, IsThatOfEachFieldOfSeveral) {
   Shelf shelf;
-  const ShapeData small = shelf.add(fieldOfCube(.25)), large = shelf.add(fieldOfCube(.5)),
-                  ball = sphere(.1);
+  const ShapeData small = shelf.add(fieldOfCube(.25)), large = shelf.add(fieldOfCube(.5)), ball = sphere(.1);
   for (const auto& [field, half] : {std::pair{small, .25}, std::pair{large, .5}}) {
     const Separation s = fieldSeparation(placedAt(shelf, field, {0, 0, 0}),
                                          placedAt(shelf, ball, {0, 0, half + .15}));
@@ -130,8 +129,7 @@ TEST(FieldImpact, HitsATriangleAtWhichItsWayEnds) {
     const PlacedAny cube = placedAt(shelf, field, {0, 0, .5});
     const DistanceLattice lattice = latticeOf(shelf.tables(), field);
     double lowest = 0;
-    for (int k = 0; k < lattice.pointCount; ++k)
-      lowest = std::min(lowest, double(xyz(lattice.points[k]).z));
+    for (int k = 0; k < lattice.pointCount; ++k) lowest = std::min(lowest, double(xyz(lattice.points[k]).z));
     const double gap = .5 + lowest;
     const TimeOfImpact m = timeOfImpactWithField(cube, {{0, 0, -share * gap}, {}},
                                                  placedAt(shelf, ground, {0, 0, 0}), {}, rule, any);

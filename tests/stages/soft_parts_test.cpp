@@ -287,7 +287,8 @@ TEST(Partners, ThatAreSidesOfOthersAreDroppedAtAnyStride) {
   features[0] = {FeatureKind::Triangle, {0, 1, 2}, {1, -1, -1}, {-1, -1}, {kNoSource, kNoSource}};
   features[1] = {FeatureKind::Edge, {0, 1, -1}, {-1, -1, -1}, {2, -1}, {kNoSource, kNoSource}};
   v.view.feature = features, v.view.features = 2;
-  const int triangle = kFeatureNode, edge = kFeatureNode + 1, corner = kCornerNode + 2, other = kCornerNode + 3;
+  const int triangle = kFeatureNode, edge = kFeatureNode + 1, corner = kCornerNode + 2,
+            other = kCornerNode + 3;
   const std::vector<std::vector<int>> lists = {
       {edge, triangle, corner, other}, {corner, other, edge}, {triangle}, {other, corner, triangle, edge}};
   const std::vector<std::vector<int>> kept = {

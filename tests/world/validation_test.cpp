@@ -76,9 +76,8 @@ TEST(Validation, NamesTheNumberOfATendonThatIsWrong) {
   spoilt("wraps[1]", [](TendonFields& t) { t.wraps[1] = 1.5; });
   spoilt("wraps[8]", [](TendonFields& t) { t.wraps[8] = 0; });
   spoilt("wraps[9]", [](TendonFields& t) { t.wraps[9] = 2; });
-  spoilt("wraps[13]", [&](TendonFields& t) {
-    t.wraps.insert(t.wraps.end(), good.wraps.begin(), good.wraps.end());
-  });
+  spoilt("wraps[13]",
+         [&](TendonFields& t) { t.wraps.insert(t.wraps.end(), good.wraps.begin(), good.wraps.end()); });
   spoilt("terms[0]", [](TendonFields& t) { t.terms[0] = 2; });
   spoilt("terms[1]", [](TendonFields& t) { t.terms[1] = 4; });
   spoilt("terms[2]", [](TendonFields& t) { t.terms[2] = -1; });
