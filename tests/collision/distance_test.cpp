@@ -116,5 +116,20 @@ TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
   EXPECT_GT(misses, 30);
 }
 
+/// Two spheres of radius 0.1 on the x axis, 1.2 apart. The first one moves by 4 and may end before the step.
+TEST(TimeOfImpact, HeedsThatAMotionEndsWithinTheStep) {
+  constexpr double kTolerance = 1e-6;
+  const Placed a = placed(sphere(.1), {0, 0, 0}, Quatd{}), b = placed(sphere(.1), {1.2, 0, 0}, Quatd{});
+  const auto fraction = [&](double untilA, double moveB, double untilB) {
+    return timeOfImpact(a, {{4, 0, 0}, {}, untilA}, b, {{moveB, 0, 0}, {}, untilB}, kTolerance).fraction;
+  };
+  // B stands still after a quarter of the step, .75 further, and A reaches it there
+  EXPECT_NEAR(fraction(1, 3, .25), (1 + .75) / 4, 1e-5);
+  // A ends before B, and B does not come closer
+  EXPECT_GT(fraction(.1, 3, .25), 1);
+  // A ends short of B, and B comes to it
+  EXPECT_NEAR(fraction(.125, -1, 1), .5, 1e-5);
+}
+
 }  // namespace
 }  // namespace rubble::RUBBLE_CORE

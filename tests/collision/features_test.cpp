@@ -58,6 +58,43 @@ TEST(Features, NearestPointsAreThoseOfAFineSampling) {
     }
 }
 
+/// Exactly parallel edges have no single nearest points: an end of one of them serves.
+TEST(Features, NearestPointsOfParallelEdgesAreAtAnEnd) {
+  Random random(13);
+  for (const Real shift : {-3., -.4, 0., .3, 2.})
+    for (const Real times : {.25, 1., -2.}) {
+      const Vec3 at = random.vector(), along = random.direction(), off = cross(along, random.direction());
+      const Vec3 start = at + off + shift * along;
+      const Vec3 x[4] = {at, at + along, start, start + times * along};
+      Real c[4];
+      const Vec3 gap = nearestOfFeatures(x, 2, c);
+      const Real first = std::min(shift, shift + times), last = std::max(shift, shift + times);
+      const Real apart = std::max({Real(0), first - 1, -last});
+      EXPECT_NEAR(length(gap), std::hypot(length(off), apart), 1e-12) << shift << " " << times;
+      EXPECT_LT(length(c[0] * x[0] + c[1] * x[1] + c[2] * x[2] + c[3] * x[3] - gap), 1e-12);
+    }
+}
+
+TEST(Features, NearestPointsScaleWithTheEdges) {
+  for (const Real size : {1e-9, 1., 1e6}) {
+    const Vec3 x[4] = {{-size, 0, 0}, {3 * size, 0, 0}, {0, -size, size}, {0, size, size}};
+    Real c[4];
+    EXPECT_NEAR(length(nearestOfFeatures(x, 2, c)) / size, 1, 1e-12) << size;
+    EXPECT_NEAR(c[1], .25, 1e-12) << size;
+    EXPECT_NEAR(c[3], -.5, 1e-12) << size;
+  }
+}
+
+TEST(Features, NearestPointOfATriangleWithoutAreaIsThatOfItsSides) {
+  const Vec3 corner[3] = {{5, 5, 5}, {7, 5, 5}, {6, 5, 5}};
+  for (const Real along : {-1., .25, 1.5, 3.}) {
+    const Vec3 x[4] = {{5 + along, 5, 6}, corner[0], corner[1], corner[2]};
+    Real c[4];
+    const Real beyond = std::max({Real(0), -along, along - 2});
+    EXPECT_NEAR(length(nearestOfFeatures(x, 1, c)), std::hypot(Real(1), beyond), 1e-12) << along;
+  }
+}
+
 TEST(Features, MeetingIsNeverMissedAndNeverInvented) {
   Random random(5);
   int impacts = 0, misses = 0;

@@ -168,5 +168,52 @@ TEST(PointDistance, KeepsThePointOnItsSideOfATwoSidedSheet) {
   EXPECT_NEAR(held.n.z, 1, 1e-12);
 }
 
+TEST(PointDistance, OfACompoundIsThatOfItsNearestPart) {
+  Shelf shelf;
+  const ShapeData bar = shelf.add(
+      Shape::compound({{Shape::sphere(.1), {-1, 0, 0}, {}}, {Shape::box({.1, .2, .3}), {1, 0, 0}, {}}}));
+  const ShapeTables tables = shelf.tables();
+  Random random(14);
+  for (int round = 0; round < 200; ++round) {
+    const Vec3 x = random.vector(3);
+    const PointDistance at = pointToGeneralShape(tables, bar, x, {1, 1, {0, 0, 0}});
+    Real least = 1e30;
+    for (int k = 0; k < 2; ++k) {
+      const ShapePart& part = tables.part[tables.index[bar.data + 2] + k];
+      const Vec3 local = rotateInverse(part.rotation, x - part.position);
+      least = std::min(least, pointToConvex(tables, part.shape, local).distance);
+    }
+    EXPECT_NEAR(at.distance, least, 1e-12) << round;
+  }
+}
+
+/// Of two sheets one over the other, the upper one is nearer, however small the reach and the gap.
+TEST(PointDistance, TellsSheetsApartAtAnyScale) {
+  for (const Real size : {1e-3, 1., 1e3}) {
+    const Real gap = 1e-3 * size;
+    for (const bool upperFirst : {false, true}) {
+      const Real first = upperFirst ? gap : 0, second = upperFirst ? 0 : gap;
+      Shelf shelf;
+      const ShapeData sheets = shelf.add(Shape::mesh({{-size, -size, first},
+                                                      {size, -size, first},
+                                                      {0, size, first},
+                                                      {-size, -size, second},
+                                                      {size, -size, second},
+                                                      {0, size, second}},
+                                                     {{0, 1, 2}, {3, 4, 5}}, true));
+      const CookedShape cooked = cook(Shape::mesh({{-size, -size, first},
+                                                   {size, -size, first},
+                                                   {0, size, first},
+                                                   {-size, -size, second},
+                                                   {size, -size, second},
+                                                   {0, size, second}},
+                                                  {{0, 1, 2}, {3, 4, 5}}, true));
+      const Vec3 x = rotateInverse(cooked.unit.axes, Vec3{0, 0, size} - cooked.unit.center);
+      const PointReach reach{2 * size, size, {0, 0, 0}};
+      EXPECT_NEAR(pointToGeneralShape(shelf.tables(), sheets, x, reach).distance, size - gap, 1e-9 * size);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace rubble::RUBBLE_CORE

@@ -23,19 +23,27 @@ class Shelf {
   ShapeData add(const Shape& shape) {
     const CookedShape cooked = cook(shape);
     const int vectors = static_cast<int>(vectors_.size()), indices = static_cast<int>(indices_.size());
+    const int parts = static_cast<int>(parts_.size());
     for (const auto& v : cooked.vectors) vectors_.push_back({v[0], v[1], v[2], v[3]});
     for (const int i : cooked.indices) indices_.push_back(i);
     for (const int place : cooked.vectorPlaces)
       indices_[static_cast<std::size_t>(indices + place)] += vectors;
     for (const int place : cooked.indexPlaces) indices_[static_cast<std::size_t>(indices + place)] += indices;
-    const int data = cooked.shape.data < 0 ? -1 : cooked.shape.data + indices;
-    return {cooked.shape.half, cooked.shape.radius, static_cast<ShapeKind>(cooked.shape.kind), data};
+    for (const int place : cooked.partPlaces) indices_[static_cast<std::size_t>(indices + place)] += parts;
+    for (const CookedPart& part : cooked.parts)
+      parts_.push_back({data(part.shape, indices), part.position, part.rotation, part.radius, -1});
+    return data(cooked.shape, indices);
   }
-  ShapeTables tables() const { return {vectors_.data(), indices_.data(), nullptr}; }
+  ShapeTables tables() const { return {vectors_.data(), indices_.data(), parts_.data()}; }
 
  private:
+  static ShapeData data(const CookedData& shape, int indices) {
+    return {shape.half, shape.radius, shape.kind, shape.data < 0 ? -1 : shape.data + indices};
+  }
+
   std::vector<Vec4> vectors_;
   std::vector<int> indices_;
+  std::vector<ShapePart> parts_;
 };
 
 /// Two shapes in the frame of A's center.

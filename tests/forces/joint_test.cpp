@@ -207,6 +207,37 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
   }
 }
 
+/// An aggregate feels the forces on those of its bodies that the joint has, each at its place.
+TYPED_TEST(JointTest, PushesAnAggregateAsItPushesTheBodiesInside) {
+  using F = TypeParam;
+  Random random(7);
+  const StepConstants c = testConstants();
+  for (int n = 0; n < kCases; ++n) {
+    const JointCase<F> x = randomJointCase<F>(random);
+    const JointSpec<F> spec = specOf<F>(x.data);
+    Joint<F> joint{};
+    joint.memory = x.memory, joint.length = 1;
+    JointBody bodies[kSides<F>];
+    for (JointBody& body : bodies) body = {2, {.1, .2, .3}, {}, {}};
+    beginJoint(c, spec, joint, x.a, x.b, bodies);
+    Vec3 shift[kSides<F>];
+    for (Vec3& s : shift) s = random.vector();
+    for (unsigned inside = 1; inside < 1u << kSides<F>; ++inside) {
+      Vec6 sum{{0, 0, 0}, {0, 0, 0}};
+      for (int side = 0; side < kSides<F>; ++side) {
+        if (!(inside >> side & 1u)) continue;
+        Block6 own;
+        accumulateAt(spec, joint, x.a, x.b, side, own);
+        sum.lin += own.fl, sum.ang += own.fa + cross(shift[side], own.fl);
+      }
+      Block6 block;
+      accumulateJointOfGroup(spec, joint, x.a, x.b, inside, shift, block);
+      EXPECT_TRUE(test::near(block.fl, sum.lin, 1e-9 * (1 + length(sum.lin)))) << inside;
+      EXPECT_TRUE(test::near(block.fa, sum.ang, 1e-9 * (1 + length(sum.ang)))) << inside;
+    }
+  }
+}
+
 /// A joint with loaded angular rows, and its force on B at the present poses with the linearization at
 /// `from`.
 template <class F> struct LoadedJoint {

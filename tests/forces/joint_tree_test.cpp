@@ -39,5 +39,40 @@ TEST(TreeRows, ALimitThatIsNotReachedIsFree) {
   EXPECT_EQ(rowsAtLimit(1e-3, TreeSolve::Again).count, 0) << "nor is one held that is really open";
 }
 
+/// Three rows that have all errors, and multipliers within the bound.
+TEST(TreeRows, OfAGroupWithinItsBoundAreHeldAndThoseBeyondItAreNot) {
+  const StepConstants c = testConstants();
+  GroupSpec spec{};
+  spec.mode = GroupMode::Hold;
+  GroupRows<3> rows{};
+  rows.state.rule.start = 10, rows.state.k = 10;
+  rows.state.keepsMultiplier = 1;
+  rows.lambda[0] = 3, rows.lambda[1] = -4;
+  const Real error[3] = {.1, .2, -.1};
+  for (const Real bound : {1e30, 1.}) {
+    rows.state.bound = bound;
+    TreePart<2> out{};
+    Real own[3];
+    addTreeGroup<3>(c, spec, rows, error, TreeSolve::Exact, out, own);
+    ASSERT_EQ(out.count, 3);
+    for (const TreeRow<2>& row : out.row)
+      EXPECT_EQ(row.take, bound > 10 ? TreeTake::Held : TreeTake::Nothing) << bound;
+  }
+}
+
+TEST(TreeRows, GiveMultipliersThatStayWithinTheBoundOfTheirGroup) {
+  constexpr Real kForce[3] = {3, -4, 12};
+  for (const Real bound : {1e30, 6.5}) {
+    TreePart<2> part{};
+    part.count = 3;
+    for (int i = 0; i < 3; ++i) part.row[i] = {kForce[i], 0, {}, TreeTake::Held};
+    PartRows<AnchorRows> rows{};
+    rows.state.bound = bound;
+    takeTreeForces<AnchorRows>(part, rows, Long6{}, Long6{}, 1);
+    for (int i = 0; i < 3; ++i)
+      EXPECT_NEAR(rows.lambda[i], kForce[i] * std::min(Real(1), bound / 13), 1e-12) << bound;
+  }
+}
+
 }  // namespace
 }  // namespace rubble::RUBBLE_CORE

@@ -256,5 +256,44 @@ TEST(BroadPhase, GrowsFromTinyCapacityWithoutDroppingPairs) {
   expectAllPairs(world, 5000);
 }
 
+/// Parts of two compounds whose bounding spheres are within the margin, and no others.
+TEST(PartPairs, AreThoseWhosePartsAreNear) {
+  CoreWorld world;
+  Random random(31);
+  std::vector<int> bodies;
+  for (int i = 0; i < 2; ++i) {
+    BodyDef body;
+    body.shape = Shape::compound({{Shape::sphere(.1), {-1, 0, 0}, {}},
+                                  {Shape::box({.1, .2, .1}), {.2, .6, 0}, {}},
+                                  {Shape::sphere(.2), {.5, 0, .9}, {}}});
+    body.position = {1.2 * i, 0, 0};
+    body.orientation = random.rotation();
+    bodies.push_back(world.add(body));
+  }
+  world.finish();
+  world.begin();
+  SolverData& s = world.view();
+  std::size_t near = 0;
+  for (int round = 0; round < 400; ++round) {
+    s.orientation[bodies[0]] = random.rotation(), s.orientation[bodies[1]] = random.rotation();
+    const Real margin = pairReach(s, bodies[0], bodies[1]);
+    std::set<std::pair<int, int>> found, expected;
+    forEachPartPair(s, bodies[0], bodies[1], [&](int a, int b) { found.emplace(a, b); });
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) {
+        const auto sphereOf = [&](int body, int part) {
+          const ShapePart& p = s.shapePart[s.shapeIndex[s.params[body].shape.data + 2] + part];
+          return std::pair{Vec3(s.position[body]) + rotate(s.orientation[body], p.position), p.radius};
+        };
+        const auto [atA, radiusA] = sphereOf(bodies[0], a);
+        const auto [atB, radiusB] = sphereOf(bodies[1], b);
+        if (length(atB - atA) <= radiusA + radiusB + margin) expected.emplace(a, b);
+      }
+    EXPECT_EQ(found, expected) << round;
+    near += found.size();
+  }
+  EXPECT_GT(near, 20u);
+}
+
 }  // namespace
 }  // namespace rubble::RUBBLE_CORE

@@ -123,5 +123,16 @@ TEST_F(SortedCubes, FindTheSamePairsInTheNextStep) {
   EXPECT_EQ(byId(), before);
 }
 
+TEST(Owners, OfCornersFollowTheirBodyAndOthersStay) {
+  int to[3] = {2, 0, 1};
+  SolverData s{};
+  s.vertices = 5, s.edges = 4;
+  const NewPlaces places{nullptr, to};
+  for (int owner = 0; owner < 9; ++owner) EXPECT_EQ(movedOwner(s, places, owner), owner);
+  for (int body = 0; body < 3; ++body)
+    for (int slot = 0; slot < kCornerSlots; ++slot)
+      EXPECT_EQ(movedOwner(s, places, 9 + kCornerSlots * body + slot), 9 + kCornerSlots * to[body] + slot);
+}
+
 }  // namespace
 }  // namespace rubble::RUBBLE_CORE

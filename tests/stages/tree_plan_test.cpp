@@ -302,5 +302,24 @@ TEST(JointTrees, OneThatHasHardlyTurnedRestsInTheSolvesThatFollow) {
   EXPECT_FALSE(restsAfter(Real(0), TreeSolve::Exact, 0));
 }
 
+TEST(JointLength, IsTheDiameterOfTheSmallerBody) {
+  CoreWorld world;
+  const auto addCube = [&](double half, double x) {
+    BodyDef body;
+    body.shape = Shape::box({half, half, half});
+    body.position = {x, 0, 0};
+    return world.add(body);
+  };
+  const int small = addCube(.1, 0), large = addCube(.5, 1);
+  world.finish();
+  world.addBall(0, small, large), world.addBall(1, large, kWorldBody);
+  planTrees(world.executor().tables());
+  world.begin();
+  step(world.executor());
+  const SolverData& s = world.view();
+  EXPECT_NEAR(s.jointsOf<BallJoint>()[0].length, 2 * std::sqrt(3.) * .1, 1e-12);
+  EXPECT_NEAR(s.jointsOf<BallJoint>()[1].length, 2 * std::sqrt(3.) * .5, 1e-12);
+}
+
 }  // namespace
 }  // namespace rubble::RUBBLE_CORE

@@ -111,6 +111,29 @@ TEST(Tendon, SharesOneTensionAmongItsSegments) {
   EXPECT_LT(world.state(world.joints()[0]).gap, 1e-3);
 }
 
+/// A tendon between two bodies goes over a peg of the world: two tangents and an arc.
+TEST(Tendon, IsAsLongAsItsTangentsAndItsArc) {
+  constexpr double kRadius = .5, kAside = 2, kOver = .1;
+  const Vec3 peg{7, -3, 5};
+  Scene scene = test::emptyScene({0, 0, 0});
+  scene.bodies.push_back(test::unitCube(peg + Vec3{-kAside, 0, 0}));
+  scene.bodies.push_back(test::unitCube(peg + Vec3{kAside, 0, 0}));
+  JointDef tendon;
+  tendon.type = jointType("tendon");
+  tendon.bodyA = 0, tendon.bodyB = 1;
+  TendonFields own;
+  own.path = {0, 0, 0, kOver, 1, 1, 0, 0, kOver, 0};
+  own.wraps = {0, 2, peg.x, peg.y, peg.z, 0, 1, 0, kRadius, 0, 0, 0, 0};
+  tendon.own = own;
+  scene.joints.push_back(tendon);
+  World world(scene, options(4, "reference"));
+  test::run(world, 1);
+  const double away = std::hypot(kAside, kOver), between = std::numbers::pi - 2 * std::atan(kOver / kAside),
+               tangent = std::sqrt(away * away - kRadius * kRadius);
+  EXPECT_NEAR(world.state(only(world)).axes[0].position,
+              2 * tangent + kRadius * (between - 2 * std::acos(kRadius / away)), 1e-5);
+}
+
 TEST(Hinge, RestsOnASoftLimitByHookesLaw) {
   Scene scene = cube();
   // a cube of 1 kg, its center 0.5 m from the hinge, falls onto a limit of 40 N m/rad

@@ -51,6 +51,40 @@ TEST(Validation, NamesTheBodyAndFieldThatIsWrong) {
   expectBadScene("gravity", [](Scene& s) { s.gravity.y = kNan; });
 }
 
+TEST(Validation, NamesTheNumberOfATendonThatIsWrong) {
+  const TendonFields good{{0, 0, 0, 0, 1, 1, 0, 0, 0, 0},
+                          {0, 0, 2, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0},
+                          {0, 2, 0, 0, 5, 0, 1, 0, .5, 0, 0, 0, 0}};
+  const auto spoilt = [&](const std::string& field, const std::function<void(TendonFields&)>& spoil) {
+    Scene scene = test::tower(3);
+    JointDef tendon;
+    tendon.type = jointType("tendon");
+    tendon.bodyA = 1, tendon.bodyB = 2;
+    tendon.own = good;
+    scene.joints.push_back(tendon);
+    EXPECT_NO_THROW(validate(scene));
+    TendonFields bad = good;
+    spoil(bad);
+    scene.joints[0].own = bad;
+    expectError("joints[0]." + field, [&] { validate(scene); });
+  };
+  spoilt("path", [](TendonFields& t) { t.path.pop_back(); });
+  spoilt("path[0]", [](TendonFields& t) { t.path[0] = 4; });
+  spoilt("path[9]", [](TendonFields& t) { t.path[9] = -1; });
+  // one segment, with the number 0
+  spoilt("wraps[0]", [](TendonFields& t) { t.wraps[0] = 1; });
+  spoilt("wraps[1]", [](TendonFields& t) { t.wraps[1] = 1.5; });
+  spoilt("wraps[8]", [](TendonFields& t) { t.wraps[8] = 0; });
+  spoilt("wraps[9]", [](TendonFields& t) { t.wraps[9] = 2; });
+  spoilt("wraps[13]",
+         [&](TendonFields& t) { t.wraps.insert(t.wraps.end(), good.wraps.begin(), good.wraps.end()); });
+  spoilt("terms[0]", [](TendonFields& t) { t.terms[0] = 2; });
+  spoilt("terms[1]", [](TendonFields& t) { t.terms[1] = 4; });
+  spoilt("terms[2]", [](TendonFields& t) { t.terms[2] = -1; });
+  spoilt("terms[2]", [](TendonFields& t) { t.terms[2] = 0; });
+  spoilt("terms[3]", [](TendonFields& t) { t.terms[3] = 0; });
+}
+
 TEST(Validation, NamesTheJointAndFieldThatIsWrong) {
   expectBadScene("joints[0].bodyA", [](Scene& s) { s.joints[0].bodyA = 9; });
   expectBadScene("joints[0].bodyB", [](Scene& s) { s.joints[0].bodyB = -2; });
