@@ -7,8 +7,8 @@
 ///   f(q) = c_1 q + c_2 q^2 + c_3 q^3 + c_4 q^4
 ///
 /// x_i = p + r_i is a point of its side, n_i the direction of segment i. q_k is the turn of one side in
-/// another about an axis (gear.h), its travel along it (rack.h), or one of the Cardan angles of their frames
-/// (six_dof.h): the coordinate of a joint that has several.
+/// another about an axis (gear.h) or its travel along it (rack.h). A joint that has several coordinates has
+/// travels and Cardan angles of its frames (six_dof.h).
 ///
 ///   J = w_i (-[n_i, r_i x n_i] at the first end, [n_i, r_(i+1) x n_i] at the second) + f' dq/dx
 ///   G: column norms of F d2c/dx2, with P of a segment under tension only (lengthCurvature)
