@@ -3,6 +3,8 @@
 #include <memory>
 #include <optional>
 
+#include <rubble/worlds.h>
+
 #include "c_api/guard.h"
 #include "io/recording.h"
 #include "io/scene_reader.h"
@@ -49,6 +51,11 @@ struct rb_world {
   std::vector<rb_debug_line> drawnLines;
   std::vector<rb_debug_triangle> drawnTriangles;
   std::vector<rb_debug_text> drawnTexts;
+};
+
+struct rb_worlds {
+  std::shared_ptr<rubble::Worlds> worlds;
+  std::vector<std::int32_t> rows = {};  ///< returned last
 };
 
 struct rb_run {

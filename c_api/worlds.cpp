@@ -11,11 +11,6 @@
 using namespace rubble;
 using namespace rubble::c;
 
-struct rb_worlds {
-  std::shared_ptr<Worlds> worlds;
-  std::vector<std::int32_t> rows = {};  ///< returned last
-};
-
 namespace {
 
 Worlds& worldsOf(const rb_worlds* handle) { return *need(handle, "worlds").worlds; }

@@ -50,7 +50,7 @@ void addFilters(const Model& model, const Layout& layout, Scene& scene, Report& 
 /// Limits, drive, friction and motor of a coordinate that is `zero` where the joint has 0. `sign`: of its
 /// direction (assemble_dofs.cpp).
 JointAxis axisOf(const Coordinate& coordinate, double sign, double zero);
-/// Of a sum or coupling of joints, one of which is not alone in its body.
+/// Of a sum or coupling of joints, one of which is no axis of the joint of its body.
 inline constexpr const char* kSeveralJoints =
     "of several joints of a body it takes the turn about the axis, or the travel along it, at the beginning";
 /// Joints of all degrees of freedom, loops, couplings and tendons (assemble_joints.cpp).
@@ -73,10 +73,12 @@ struct TreeJoint {
 /// The joint of a tendon, whose coordinate is `zero` where the joint has 0, or of a coupling that no gear or
 /// rack can be: nothing if its bodies are more than four, or for another reason, which is reported
 /// (assemble_tendons.cpp).
-std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Tendon& tendon, double& zero,
-                                 Report& report);
-std::optional<JointDef> cam(const Model& model, const Layout& layout, const Coupling& coupling,
-                            Report& report);
+std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Scene& scene,
+                                 const Tendon& tendon, double& zero, Report& report);
+std::optional<JointDef> cam(const Model& model, const Layout& layout, const Scene& scene,
+                            const Coupling& coupling, Report& report);
+/// Has the joint of the link the coordinate as an axis?
+bool isReadable(const Model& model, const Layout& layout, const std::pair<int, int>& dof);
 /// One joint of all degrees of freedom of a link (assemble_dofs.cpp).
 TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report);
 

@@ -26,7 +26,7 @@ class JointBuilder {
     for (const FreeJoint& joint : model_.joints) addFree(joint);
     for (const Tendon& tendon : model_.tendons) {
       double zero = 0;
-      auto joint = tendonOf(model_, layout_, tendon, zero, report_);
+      auto joint = tendonOf(model_, layout_, scene_, tendon, zero, report_);
       const int index = joint ? static_cast<int>(scene_.joints.size()) : -1;
       layout_.axisOfTendon.push_back({index, 0, 1, zero});
       if (joint) add(std::move(*joint), tendon.place, "tendon", tendon.name);
@@ -120,7 +120,7 @@ class JointBuilder {
       return model_.links[link].dofs.size() == 1 ? layout_.jointOf[link] : -1;
     };
     const int a = single(coupling.dofA), b = single(coupling.dofB);
-    if (a < 0 || b < 0)
+    if (!isReadable(model_, layout_, coupling.dofA) || !isReadable(model_, layout_, coupling.dofB))
       report_.note(Effect::Approximate, coupling.place, "coupling" + inQuotes(coupling.name), kSeveralJoints);
     const auto type = [&](int joint) {
       return joint < 0 ? JointType::SixDof : scene_.joints[static_cast<std::size_t>(joint)].type;
@@ -133,7 +133,7 @@ class JointBuilder {
     const bool hingeA = type(a) == JointType::Hinge, hingeB = type(b) == JointType::Hinge;
     JointDef joint;
     if (a < 0 || b < 0 || !isLinear || ratio == 0 || !(hingeA || hingeB)) {
-      auto found = cam(model_, layout_, coupling, report_);
+      auto found = cam(model_, layout_, scene_, coupling, report_);
       if (!found) return;
       joint = std::move(*found);
     } else {

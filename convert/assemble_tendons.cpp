@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "convert/assemble.h"
+#include "convert/rotations.h"
 
 namespace rubble::convert {
 namespace {
@@ -12,7 +13,8 @@ constexpr const char* kStill = "its bodies do not move relative to one another";
 
 class TendonBuilder {
  public:
-  TendonBuilder(const Model& model, const Layout& layout) : model_(model), layout_(layout) {}
+  TendonBuilder(const Model& model, const Layout& layout, const Scene& scene)
+      : model_(model), layout_(layout), scene_(scene) {}
 
   void addPoint(const Tendon::Point& point) {
     const Vec3 at = poseInBody(layout_, point.link) * point.at;
@@ -30,14 +32,17 @@ class TendonBuilder {
   void addTerm(const std::pair<int, int>& at, const std::array<double, 4>& c) {
     const Link& link = model_.links[static_cast<std::size_t>(at.first)];
     const Dof& dof = link.dofs[static_cast<std::size_t>(at.second)];
-    terms_.push_back({dof.type == DofType::Slide ? 1. : 0., bodyIndex(layout_, at.first),
+    if (link.dofs.size() > 1)
+      if (const auto own = layout_.axisOf.find(at); own != layout_.axisOf.end())
+        return addAxis(own->second, c);
+    terms_.push_back({dof.type == DofType::Slide ? kTravel : kTurn, bodyIndex(layout_, at.first),
                       bodyIndex(layout_, link.parent), dof.axis, dof.anchor, c});
   }
   void addMotion(const Tendon::Motion& motion) {
     const Pose inBody = poseInBody(layout_, motion.link);
     const Quat body = rotationOf(motion.link) * conjugate(inBody.q);
     const Vec3 axis = rotateInverse(body, rotate(rotationOf(motion.axisLink), motion.axis));
-    terms_.push_back({motion.turns ? 0. : 1.,
+    terms_.push_back({motion.turns ? kTurn : kTravel,
                       bodyIndex(layout_, motion.link),
                       bodyIndex(layout_, motion.frame),
                       axis,
@@ -76,10 +81,9 @@ class TendonBuilder {
                            wrap.guide ? 1. : 0., guide.x, guide.y, guide.z});
     }
     for (const Term& term : terms_)
-      fields.terms.insert(
-          fields.terms.end(),
-          {term.travels, number(term.body), number(term.frame), term.axis.x, term.axis.y, term.axis.z,
-           term.anchor.x, term.anchor.y, term.anchor.z, term.c[0], term.c[1], term.c[2], term.c[3]});
+      fields.terms.insert(fields.terms.end(), {term.kind, number(term.body), number(term.frame), term.axis.x,
+                                               term.axis.y, term.axis.z, term.anchor.x, term.anchor.y,
+                                               term.anchor.z, term.c[0], term.c[1], term.c[2], term.c[3]});
     out.own = fields;
     return "";
   }
@@ -91,12 +95,32 @@ class TendonBuilder {
     Vec3 at;
     double weight;
   };
+  static constexpr double kTurn = 0, kTravel = 1, kCardan = 2;
   struct Term {
-    double travels;  ///< 0, 1
+    double kind;  ///< of TendonFields::terms
     int body, frame;
     Vec3 axis, anchor;  ///< in the frame of the body
     std::array<double, 4> c;
   };
+
+  /// The same of an axis of a joint that has several.
+  void addAxis(const AxisReading& axis, std::array<double, 4> c) {
+    const JointDef& joint = scene_.joints[static_cast<std::size_t>(axis.joint)];
+    c[0] *= axis.sign, c[2] *= axis.sign;
+    if (axis.axis < 3) {
+      const auto orientation = [&](int body) {
+        return body == kWorld ? Quat{} : scene_.bodies[static_cast<std::size_t>(body)].orientation;
+      };
+      Vec3 unit;
+      unit[axis.axis] = 1;
+      const Vec3 inWorld = rotate(orientation(joint.bodyB) * joint.frameB, unit);
+      terms_.push_back({kTravel, joint.bodyA, joint.bodyB, rotateInverse(orientation(joint.bodyA), inWorld),
+                        joint.anchorA, c});
+    } else {
+      terms_.push_back({kCardan + axis.axis - 3, joint.bodyA, joint.bodyB, rotationVector(joint.frameA),
+                        rotationVector(joint.frameB), c});
+    }
+  }
 
   Quat rotationOf(int link) const {
     return link < 0 ? Quat{} : layout_.inWorld[static_cast<std::size_t>(link)].q;
@@ -113,6 +137,7 @@ class TendonBuilder {
 
   const Model& model_;
   const Layout& layout_;
+  const Scene& scene_;
   std::vector<Point> path_;
   std::vector<Term> terms_;
   std::vector<Tendon::Wrap> wraps_;
@@ -173,16 +198,18 @@ double startOf(const Layout& layout, const Tendon::Motion& motion) {
   };
   const Vec3 axis = rotate(pose(motion.axisLink).q, motion.axis);
   if (!motion.turns) return dot(axis, pose(motion.link) * motion.anchor - pose(motion.frame) * motion.origin);
-  const Quat turn = pose(motion.link).q * conjugate(pose(motion.frame).q);
-  const double half = length(turn.v), sign = turn.s < 0 ? -1 : 1;
-  return half > 0 ? 2 * sign * std::atan2(half, sign * turn.s) / half * dot(axis, turn.v) : 0;
+  return dot(axis, rotationVector(pose(motion.link).q * conjugate(pose(motion.frame).q)));
 }
 
 }  // namespace
 
-std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Tendon& tendon, double& zero,
-                                 Report& report) {
-  TendonBuilder builder(model, layout);
+bool isReadable(const Model& model, const Layout& layout, const std::pair<int, int>& dof) {
+  return model.links[static_cast<std::size_t>(dof.first)].dofs.size() == 1 || layout.axisOf.contains(dof);
+}
+
+std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Scene& scene,
+                                 const Tendon& tendon, double& zero, Report& report) {
+  TendonBuilder builder(model, layout, scene);
   const auto lose = [&](const std::string& why) {
     report.note(why == kStill ? Effect::None : Effect::Lost, tendon.place, "tendon" + inQuotes(tendon.name),
                 why);
@@ -193,7 +220,7 @@ std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const
   double start = 0;  // of the sum, where the joint has 0
   for (const Tendon::Term& term : tendon.terms) {
     const Dof& dof = dofAt(model, term.dof);
-    if (model.links[static_cast<std::size_t>(term.dof.first)].dofs.size() != 1)
+    if (!isReadable(model, layout, term.dof))
       report.note(Effect::Approximate, tendon.place, "tendon" + inQuotes(tendon.name), kSeveralJoints);
     start += term.coefficient * (dof.reference + dof.start);
   }
@@ -214,8 +241,8 @@ std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const
   return joint;
 }
 
-std::optional<JointDef> cam(const Model& model, const Layout& layout, const Coupling& coupling,
-                            Report& report) {
+std::optional<JointDef> cam(const Model& model, const Layout& layout, const Scene& scene,
+                            const Coupling& coupling, Report& report) {
   // with q = s + p, s at the beginning: the polynomial in p
   const double s = dofAt(model, coupling.dofB).start;
   std::array<double, 5> shifted{};
@@ -224,7 +251,7 @@ std::optional<JointDef> cam(const Model& model, const Layout& layout, const Coup
       {1, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {1, 2, 1, 0, 0}, {1, 3, 3, 1, 0}, {1, 4, 6, 4, 1}};
   for (std::size_t n = 0; n < 5; ++n)
     for (std::size_t k = 0; k <= n; ++k) shifted[k] += coupling.terms[n] * kChoose[n][k] * power[n - k];
-  TendonBuilder builder(model, layout);
+  TendonBuilder builder(model, layout, scene);
   builder.addTerm(coupling.dofA, {1, 0, 0, 0});
   builder.addTerm(coupling.dofB, {-shifted[1], -shifted[2], -shifted[3], -shifted[4]});
   JointDef joint;

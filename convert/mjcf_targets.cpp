@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "convert/mjcf_reader.h"
+#include "convert/rotations.h"
 
 namespace rubble::convert {
 namespace {
@@ -15,12 +16,6 @@ void add(Tendon& tendon, Motion motion, const Quat& axes, const Vec3& gear) {
   if (!(size > 0)) return;
   motion.axis = rotate(axes, gear / size), motion.coefficient = size;
   tendon.motions.push_back(motion);
-}
-
-/// Rotation vector [rad].
-Vec3 turned(const Quat& q) {
-  const double sine = length(q.v), sign = q.s < 0 ? -1 : 1;
-  return sine > 0 ? 2 * sign * std::atan2(sine, sign * q.s) / sine * q.v : Vec3{};
 }
 
 }  // namespace
@@ -92,7 +87,8 @@ MjcfTarget MjcfReader::targetOfTurns(const Tag& tag, int at, bool inParent, bool
     // the length of a ball joint is the part of its rotation vector along the gear
     const Quat& start = own.dofs.front().startTurn;
     const double size = length(first);
-    if (size > 0) turn.start = dot(turned(start), inParent ? rotateInverse(start, first) : first) / size;
+    if (size > 0)
+      turn.start = dot(rotationVector(start), inParent ? rotateInverse(start, first) : first) / size;
     // the parent of the joint has the axes of the link in the pose of the file
     add(tendon, turn, inParent ? own.pose.q : Quat{}, first);
   }

@@ -35,4 +35,9 @@ Quat quatOfEuler(const Vec3& angles, const std::string& sequence) {
   return normalize(out);
 }
 
+Vec3 rotationVector(const Quat& q) {
+  const double sine = length(q.v), sign = q.s < 0 ? -1 : 1;
+  return sine > 0 ? 2 * sign * std::atan2(sine, sign * q.s) / sine * q.v : Vec3{};
+}
+
 }  // namespace rubble::convert

@@ -110,9 +110,10 @@ void ChunkReader::fail(std::uint64_t offset, const std::string& expected, const 
   throw Error(file_ + " at byte " + std::to_string(offset), expected, got);
 }
 
-Bytes ChunkReader::readRaw(std::uint64_t offset, std::size_t count) {
-  if (offset >= size_) return {};
-  Bytes bytes(static_cast<std::size_t>(std::min<std::uint64_t>(count, size_ - offset)));
+Bytes ChunkReader::readRaw(std::uint64_t offset, std::size_t count, Bytes memory) {
+  Bytes bytes = std::move(memory);
+  bytes.resize(offset < size_ ? static_cast<std::size_t>(std::min<std::uint64_t>(count, size_ - offset)) : 0);
+  if (bytes.empty()) return bytes;
   in_.clear();
   in_.seekg(static_cast<std::streamoff>(offset));
   in_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -149,7 +150,7 @@ std::optional<ChunkReader::Head> ChunkReader::head(std::uint64_t offset) {
 std::optional<Chunk> ChunkReader::read(std::uint64_t offset, Bytes memory) {
   const auto head = fullHead(offset);
   if (!head) return std::nullopt;
-  Bytes stored = readRaw(offset + kHeadSize, head->storedSize);
+  Bytes stored = readRaw(offset + kHeadSize, head->storedSize, std::move(stored_));
   if (crc32(stored.data(), stored.size()) != head->checksum)
     fail(offset + kHeadSize, "the content of a chunk", "a wrong checksum");
   Chunk chunk{offset, head->name, std::move(memory)};
@@ -161,6 +162,7 @@ std::optional<Chunk> ChunkReader::read(std::uint64_t offset, Bytes memory) {
   const std::string wrong = decompress(stored, chunk.content);
   if (!wrong.empty())
     fail(offset + kHeadSize, std::to_string(head->contentSize) + " bytes of content", wrong);
+  stored_ = std::move(stored);
   return chunk;
 }
 

@@ -62,8 +62,8 @@ class ChunkReader {
     std::uint64_t end = 0;
   };
   std::optional<Head> head(std::uint64_t offset);
-  /// `count` bytes at an offset, or fewer at the end of the file.
-  Bytes readRaw(std::uint64_t offset, std::size_t count);
+  /// `count` bytes at an offset, or fewer at the end of the file. `memory` as in read().
+  Bytes readRaw(std::uint64_t offset, std::size_t count, Bytes memory = {});
   /// Throws Error about the byte at `offset`.
   [[noreturn]] void fail(std::uint64_t offset, const std::string& expected, const std::string& got) const;
 
@@ -74,6 +74,7 @@ class ChunkReader {
   std::string file_;
   std::ifstream in_;
   std::uint64_t size_ = 0;
+  Bytes stored_;  ///< of the chunk that was read last; only its memory is used
 };
 
 }  // namespace rubble::io

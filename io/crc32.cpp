@@ -5,7 +5,7 @@
 namespace rubble::io {
 namespace {
 
-constexpr std::size_t kSlices = 8;
+constexpr std::size_t kSlices = 16;
 using Table = std::array<std::uint32_t, 256>;
 
 /// [k][byte]: remainder of a byte that k zeros follow, lowest bit first.

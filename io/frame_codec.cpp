@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "cook/size.h"
 #include "io/byte_stream.h"
@@ -41,6 +42,25 @@ std::optional<std::int32_t> quantize(double offset, double resolution) {
   return static_cast<std::int32_t>(steps);
 }
 
+inline Quat unpack(std::uint64_t bits) {
+  const auto number = [&](int shift) {
+    const auto whole = static_cast<double>(bits >> shift & kQuaternionMask) - kQuaternionHalf;
+    return whole / (std::numbers::sqrt2 * kQuaternionHalf);
+  };
+  const double a = number(2 * kQuaternionBits), b = number(kQuaternionBits), c = number(0),
+               rest = 1 - a * a - b * b - c * c, d = std::sqrt(std::max(rest, 0.));
+  // selections, because jumps on the largest one are not predictable
+  const int largest = static_cast<int>(bits >> (3 * kQuaternionBits) & 3u);
+  return normalize(Quat{largest == 0 ? d : a,
+                        largest == 1   ? d
+                        : largest == 0 ? a
+                                       : b,
+                        largest == 2   ? d
+                        : largest == 3 ? c
+                                       : b,
+                        largest == 3 ? d : c});
+}
+
 }  // namespace
 
 std::uint64_t packQuaternion(const Quat& q) {
@@ -61,24 +81,7 @@ std::uint64_t packQuaternion(const Quat& q) {
   return bits;
 }
 
-Quat unpackQuaternion(std::uint64_t bits) {
-  const auto number = [&](int shift) {
-    const auto whole = static_cast<double>(bits >> shift & kQuaternionMask) - kQuaternionHalf;
-    return whole / (std::numbers::sqrt2 * kQuaternionHalf);
-  };
-  const double a = number(2 * kQuaternionBits), b = number(kQuaternionBits), c = number(0),
-               rest = 1 - a * a - b * b - c * c, d = std::sqrt(std::max(rest, 0.));
-  // selections, because jumps on the largest one are not predictable
-  const int largest = static_cast<int>(bits >> (3 * kQuaternionBits) & 3u);
-  return normalize(Quat{largest == 0 ? d : a,
-                        largest == 1   ? d
-                        : largest == 0 ? a
-                                       : b,
-                        largest == 2   ? d
-                        : largest == 3 ? c
-                                       : b,
-                        largest == 3 ? d : c});
-}
+Quat unpackQuaternion(std::uint64_t bits) { return unpack(bits); }
 
 bool FrameEncoder::add(const RecordedFrame& frame) {
   const std::size_t bodies = frame.poses.size(), places = bodies + frame.vertices.size();
@@ -131,11 +134,10 @@ std::vector<std::uint8_t> FrameEncoder::finish() {
   return content;
 }
 
-std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content,
-                                                       std::size_t bodyCount, std::size_t vertexCount,
-                                                       double resolution, std::uint32_t version,
-                                                       std::vector<RecordedFrame> memory) {
-  ByteReader in(content);
+bool FrameDecoder::start(std::vector<std::uint8_t> content, std::size_t bodyCount, std::size_t vertexCount,
+                         double resolution, std::uint32_t version) {
+  content_ = std::move(content), resolution_ = resolution, decoded_ = 0;
+  ByteReader in(content_);
   const std::size_t frameCount = in.get<std::uint32_t>();
   const std::size_t bodies = in.get<std::uint32_t>();
   const std::size_t vertices = version > 1 ? in.get<std::uint32_t>() : 0;
@@ -143,45 +145,61 @@ std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::ui
   constexpr std::size_t kBytesOfTime = 16, kBytesOfOrigin = 24, kBytesOfWord = 4;
   const Size wanted = Size(frameCount) * kBytesOfTime + Size(places) * kBytesOfOrigin +
                       Size(frameCount) * wordCount * kBytesOfWord;
-  if (!in.ok() || bodies != bodyCount || vertices != vertexCount || !(wanted == in.left()))
-    return std::nullopt;
+  if (!in.ok() || bodies != bodyCount || vertices != vertexCount || !(wanted == in.left())) return false;
 
-  std::vector<RecordedFrame> frames = std::move(memory);
-  frames.resize(frameCount);
-  for (RecordedFrame& frame : frames) {
-    frame.step = in.get<std::int64_t>();
-    frame.time = in.getDouble();
-    frame.poses.resize(bodies);
-    frame.vertices.resize(vertices);
+  frames_.resize(frameCount);
+  for (std::shared_ptr<RecordedFrame>& frame : frames_) {
+    if (!frame || frame.use_count() > 1) frame = std::make_shared<RecordedFrame>();
+    frame->step = in.get<std::int64_t>();
+    frame->time = in.getDouble();
+    frame->poses.resize(bodies);
+    frame->vertices.resize(vertices);
   }
-  std::vector<Vec3> origins(places);
-  for (Vec3& origin : origins)
+  origins_.resize(places);
+  for (Vec3& origin : origins_)
     for (int axis = 0; axis < 3; ++axis) origin[axis] = in.getDouble();
+  words_.assign(wordCount, 0);
+  planes_ = content_.size() - in.left();
+  return true;
+}
 
-  std::vector<std::uint32_t> words(wordCount, 0);
-  const std::uint8_t* plane = content.data() + (content.size() - in.left());
-  for (RecordedFrame& frame : frames) {
-    const std::uint8_t *const b0 = plane, *const b1 = b0 + wordCount, *const b2 = b1 + wordCount,
-                              *const b3 = b2 + wordCount;
-    for (std::size_t i = 0; i < wordCount; ++i) {
-      const std::uint32_t difference = b0[i] | std::uint32_t{b1[i]} << 8 | std::uint32_t{b2[i]} << 16 |
-                                       std::uint32_t{b3[i]} << 24;
+const std::shared_ptr<RecordedFrame>& FrameDecoder::frame(std::size_t index) {
+  for (; decoded_ <= index; ++decoded_) decode(*frames_[decoded_]);
+  return frames_[index];
+}
+
+void FrameDecoder::decode(RecordedFrame& frame) {
+  const std::size_t bodies = frame.poses.size(), places = origins_.size(), count = words_.size();
+  const std::uint8_t* const bytes = content_.data() + planes_ + decoded_ * 4 * count;
+  const auto advance = [&](std::size_t begin, std::size_t end) {
+    std::uint32_t* const words = words_.data();
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t difference = bytes[i] | std::uint32_t{bytes[count + i]} << 8 |
+                                       std::uint32_t{bytes[2 * count + i]} << 16 |
+                                       std::uint32_t{bytes[3 * count + i]} << 24;
       words[i] += static_cast<std::uint32_t>(unzigzag(difference));
     }
-    plane += 4 * wordCount;
-    for (std::size_t i = 0; i < places; ++i) {
-      Vec3& place = i < bodies ? frame.poses[i].position : frame.vertices[i - bodies];
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto steps = static_cast<std::int32_t>(words[static_cast<std::size_t>(axis) * places + i]);
-        place[axis] = origins[i][axis] + steps * resolution;
-      }
-    }
-    for (std::size_t i = 0; i < bodies; ++i)
-      frame.poses[i].orientation = unpackQuaternion(
-          words[kPlaceWords * places + i] |
-          static_cast<std::uint64_t>(words[kPlaceWords * places + bodies + i]) << 32);
+  };
+  const auto placeAt = [&](std::size_t i) {
+    Vec3 place;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      place[static_cast<int>(axis)] = origins_[i][static_cast<int>(axis)] +
+                                      static_cast<std::int32_t>(words_[axis * places + i]) * resolution_;
+    return place;
+  };
+  // The words of a block stay in the cache between the two uses.
+  constexpr std::size_t kBlock = 1024;
+  for (std::size_t begin = 0; begin < places; begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, places), endOfBodies = std::min(end, bodies);
+    for (std::size_t axis = 0; axis < kPlaceWords; ++axis)
+      advance(axis * places + begin, axis * places + end);
+    for (std::size_t i = std::max(begin, bodies); i < end; ++i) frame.vertices[i - bodies] = placeAt(i);
+    if (begin >= endOfBodies) continue;
+    const std::size_t low = kPlaceWords * places, high = low + bodies;
+    advance(low + begin, low + endOfBodies), advance(high + begin, high + endOfBodies);
+    for (std::size_t i = begin; i < endOfBodies; ++i)
+      frame.poses[i] = {placeAt(i), unpack(words_[low + i] | std::uint64_t{words_[high + i]} << 32)};
   }
-  return frames;
 }
 
 }  // namespace rubble::io

@@ -3,7 +3,7 @@
 /// quaternions in 62 bits. Each number is the difference from the previous frame, and low bytes are stored
 /// apart from high ones, so that bodies at rest compress to almost nothing.
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "io/recording.h"
@@ -36,11 +36,30 @@ class FrameEncoder {
   std::vector<std::uint8_t> planes_;     ///< differences, byte by byte
 };
 
-/// Frames of a chunk of a file of that version; nothing if the bytes are not what an encoder makes for that
-/// many bodies and vertices. `memory`: frames that are not needed any more.
-std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content,
-                                                       std::size_t bodyCount, std::size_t vertexCount,
-                                                       double resolution, std::uint32_t version,
-                                                       std::vector<RecordedFrame> memory = {});
+/// Reads the frames of a chunk, each of them when it is asked for first. Memory is used again for the next
+/// chunk.
+class FrameDecoder {
+ public:
+  /// Takes the content of a chunk of a file of that version. False if it is not what an encoder makes for
+  /// that many bodies and vertices; frames are not there then.
+  bool start(std::vector<std::uint8_t> content, std::size_t bodyCount, std::size_t vertexCount,
+             double resolution, std::uint32_t version);
+  std::size_t frameCount() const { return frames_.size(); }
+  /// One of frameCount() frames. It does not change while it is held.
+  const std::shared_ptr<RecordedFrame>& frame(std::size_t index);
+  /// The memory of the content, which is not needed any more.
+  std::vector<std::uint8_t> takeContent() { return std::move(content_); }
+
+ private:
+  void decode(RecordedFrame& frame);
+
+  std::vector<std::uint8_t> content_;
+  std::size_t planes_ = 0;  ///< where the differences begin in it
+  double resolution_ = 1;
+  std::vector<std::shared_ptr<RecordedFrame>> frames_;
+  std::size_t decoded_ = 0;           ///< of these
+  std::vector<Vec3> origins_;         ///< of bodies, then of vertices
+  std::vector<std::uint32_t> words_;  ///< of the frame that was decoded last
+};
 
 }  // namespace rubble::io

@@ -34,6 +34,8 @@ class OutputFile {
  public:
   explicit OutputFile(const std::string& file);
   std::ostream& stream() { return stream_; }
+  /// Where the content goes until it is finished.
+  const std::string& path() const { return name_.path(); }
   /// Throws Error if anything could not be written.
   void finish();
 

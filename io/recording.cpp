@@ -139,8 +139,7 @@ struct RecordingReader::Impl {
   // What was read last: a chunk of frames by its place in `chunks`, the bodies by the offset of theirs.
   std::optional<std::size_t> framesOf;
   std::optional<std::uint64_t> bodiesOffset;
-  std::vector<RecordedFrame> frames;
-  Bytes content;  ///< of the chunk of frames
+  FrameDecoder frames;
   RecordedObjects objects;
   std::uint32_t version = kVersion;
 
@@ -252,15 +251,14 @@ struct RecordingReader::Impl {
     const FrameChunk& chunk = chunks[place];
     if (framesOf == place) return static_cast<std::size_t>(frame - firstFrames[place]);
     framesOf.reset();
-    content = need(chunk.offset, kFrames, "frames", std::move(content)).content;
-    auto decoded = decodeFrames(content, objects.bodies.size(), objects.vertexCount(), header.resolution,
-                                version, std::move(frames));
-    if (!decoded || decoded->size() != static_cast<std::size_t>(chunk.frameCount))
+    Bytes content = need(chunk.offset, kFrames, "frames", frames.takeContent()).content;
+    if (!frames.start(std::move(content), objects.bodies.size(), objects.vertexCount(), header.resolution,
+                      version) ||
+        frames.frameCount() != static_cast<std::size_t>(chunk.frameCount))
       in.fail(chunk.offset,
               std::to_string(chunk.frameCount) + " frames of " + std::to_string(objects.bodies.size()) +
                   " bodies and " + std::to_string(objects.vertexCount()) + " vertices",
               "other content");
-    frames = std::move(*decoded);
     framesOf = place;
     return static_cast<std::size_t>(frame - firstFrames[place]);
   }
@@ -274,10 +272,10 @@ RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = defaul
 const RecordingHeader& RecordingReader::header() const { return impl_->header; }
 bool RecordingReader::complete() const { return impl_->complete; }
 int RecordingReader::frameCount() const { return impl_->frameCount; }
-RecordedFrame RecordingReader::frame(int index) { return view(index); }
-const RecordedFrame& RecordingReader::view(int index) {
+RecordedFrame RecordingReader::frame(int index) { return *share(index); }
+std::shared_ptr<const RecordedFrame> RecordingReader::share(int index) {
   const std::size_t place = impl_->load(index);
-  return impl_->frames[place];
+  return impl_->frames.frame(place);
 }
 std::uint64_t RecordingReader::fileBytes() const { return impl_->in.size(); }
 std::uint64_t RecordingReader::intactBytes() const { return impl_->intact; }

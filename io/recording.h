@@ -126,8 +126,8 @@ class RecordingReader {
   std::uint64_t intactBytes() const;
   int frameCount() const;
   RecordedFrame frame(int index);
-  /// The same, valid until the next call.
-  const RecordedFrame& view(int index);
+  /// The same without a copy. It does not change while it is held.
+  std::shared_ptr<const RecordedFrame> share(int index);
   /// The tables of a frame, without a look at its poses. Valid until the next call.
   const std::vector<RecordedBody>& bodies(int frameIndex);
   const std::vector<RecordedSoft>& softs(int frameIndex);

@@ -62,22 +62,22 @@ FrameSource::Rows FrameSource::bodyRows(const std::vector<io::RecordedBody>& bod
   return rows;
 }
 
-const io::RecordedFrame& FrameSource::frameOf(int index) {
-  const io::RecordedFrame& frame = recording_.view(index);
+std::shared_ptr<const io::RecordedFrame> FrameSource::frameOf(int index) {
+  std::shared_ptr<const io::RecordedFrame> frame = recording_.share(index);
   const std::vector<Piece>& pieces = rowsOf(index).pieces;
   if (pieces.empty()) return frame;
-  pieced_.step = frame.step, pieced_.time = frame.time, pieced_.vertices = frame.vertices;
-  pieced_.poses.clear();
+  const auto pieced = std::make_shared<io::RecordedFrame>();
+  pieced->step = frame->step, pieced->time = frame->time, pieced->vertices = frame->vertices;
   for (const Piece& piece : pieces) {
     const io::RecordedPose body = piece.row < 0 ? io::RecordedPose{}
-                                                : frame.poses[static_cast<std::size_t>(piece.row)];
-    pieced_.poses.push_back(body);
+                                                : frame->poses[static_cast<std::size_t>(piece.row)];
+    pieced->poses.push_back(body);
     if (!piece.part) continue;
-    io::RecordedPose& pose = pieced_.poses.back();
+    io::RecordedPose& pose = pieced->poses.back();
     pose.position += rotate(body.orientation, piece.part->position);
     pose.orientation = normalize(body.orientation * piece.part->orientation);
   }
-  return pieced_;
+  return pieced;
 }
 
 FrameSource::FrameSource(io::RecordingReader& recording, const ExportOptions& options, bool withLooks)
@@ -127,56 +127,35 @@ int FrameSource::neighborOf(int index) const {
   return index > 0 ? index - 1 : std::min(1, recording_.frameCount() - 1);
 }
 
-void FrameSource::keep(int index, const io::RecordedFrame& frame) {
-  last_.index = index, last_.time = frame.time;
-  last_.positions.resize(frame.poses.size());
-  for (std::size_t i = 0; i < frame.poses.size(); ++i) last_.positions[i] = frame.poses[i].position;
-  last_.vertices = frame.vertices;
-}
-
 void FrameSource::read(int number, ExportFrame& out) {
-  const int index = from_ + number * every_;
+  const int index = from_ + number * every_, other = neighborOf(index);
   const Rows& rows = rowsOf(index);
-  // frames that are read one by one have their neighbor; reading it again would take as long as this one
-  if (const int other = neighborOf(index); last_.index != other) keep(other, frameOf(other));
-  const io::RecordedFrame& frame = frameOf(index);
+  // Frames that are read one by one have their neighbor.
+  if (lastIndex_ != other) last_ = frameOf(other);
+  out.recorded = frameOf(index);
   out.number = number;
   out.newObjects = number == 0 || &rows != &rowsOf(index - every_);
-  out.step = frame.step, out.time = frame.time;
   out.bodies = rows.bodies, out.softs = rows.softs;
-  out.poses = frame.poses, out.vertices = frame.vertices;
-  fillVelocities(index, frame, rows, out);
-  keep(index, frame);
+  measure(rowsOf(other), rows, out);
+  last_ = out.recorded, lastIndex_ = index;
   if (!rows.softs.empty()) out.looks = recording_.softs(index);
 }
 
-void FrameSource::fillVelocities(int index, const io::RecordedFrame& frame, const Rows& rows,
-                                 ExportFrame& out) {
-  const Rows& before = rowsOf(neighborOf(index));
-  const double apart = frame.time - last_.time;
-  const bool sameBodies = &before == &rows || before.bodies == rows.bodies;
-  out.velocities.resize(frame.poses.size());
-  if (!sameBodies || apart == 0) std::fill(out.velocities.begin(), out.velocities.end(), Vec3{});
-  out.vertexVelocities.assign(frame.vertices.size(), {});
+void FrameSource::measure(const Rows& before, const Rows& rows, ExportFrame& out) const {
+  const double apart = out.recorded->time - last_->time;
   // Rows are made for the exported frames alone.
-  if (apart == 0 || (before.bodies.empty() && before.softs.empty())) return;
-  const double rate = 1 / apart;
-  if (sameBodies) {
-    for (std::size_t i = 0; i < frame.poses.size(); ++i)
-      out.velocities[i] = (frame.poses[i].position - last_.positions[i]) * rate;
-  } else {
-    std::vector<int> rowOf(cast_.bodies.size(), -1);
-    for (std::size_t i = 0; i < before.bodies.size(); ++i)
-      rowOf[static_cast<std::size_t>(before.bodies[i])] = static_cast<int>(i);
-    for (std::size_t i = 0; i < frame.poses.size(); ++i) {
-      const int row = rowOf[static_cast<std::size_t>(rows.bodies[i])];
-      if (row >= 0)
-        out.velocities[i] = (frame.poses[i].position - last_.positions[static_cast<std::size_t>(row)]) * rate;
-    }
-  }
-  if (before.softs != rows.softs || last_.vertices.size() != frame.vertices.size()) return;
-  for (std::size_t i = 0; i < frame.vertices.size(); ++i)
-    out.vertexVelocities[i] = (frame.vertices[i] - last_.vertices[i]) * rate;
+  const bool hasRows = !before.bodies.empty() || !before.softs.empty();
+  const bool sameVertices = before.softs == rows.softs &&
+                            last_->vertices.size() == out.recorded->vertices.size();
+  out.last = last_;
+  out.bodyRate = apart == 0 || !hasRows ? 0 : 1 / apart;
+  out.vertexRate = sameVertices ? out.bodyRate : 0;
+  out.lastRows.clear();
+  if (&before == &rows || before.bodies == rows.bodies) return;
+  std::vector<int> rowOf(cast_.bodies.size(), -1);
+  for (std::size_t i = 0; i < before.bodies.size(); ++i)
+    rowOf[static_cast<std::size_t>(before.bodies[i])] = static_cast<int>(i);
+  for (const int body : rows.bodies) out.lastRows.push_back(rowOf[static_cast<std::size_t>(body)]);
 }
 
 Vec3 ExportJob::colorOf(const CastBody& body, const io::RecordedPose& pose) const {

@@ -30,15 +30,28 @@ struct Cast {
 struct ExportFrame {
   int number = 0;           ///< among those that are exported, from 0
   bool newObjects = false;  ///< the first frame, or one whose objects differ from those of the frame before
-  std::int64_t step = 0;    ///< steps taken before it
-  double time = 0;          ///< [s]
-  std::vector<int> bodies;  ///< of each row, in Cast::bodies
-  std::vector<io::RecordedPose> poses;
-  std::vector<Vec3> velocities;         ///< of the origins of the bodies [m/s]
-  std::vector<int> softs;               ///< in Cast::softs
-  std::vector<io::RecordedSoft> looks;  ///< of `softs`, with the triangles and segments that are left
-  std::vector<Vec3> vertices;           ///< of `softs`, one after the other; world [m]
-  std::vector<Vec3> vertexVelocities;   ///< [m/s]
+  std::shared_ptr<const io::RecordedFrame> recorded = {};  ///< a pose for each row, vertices of `softs`
+  std::vector<int> bodies = {};                            ///< of each row, in Cast::bodies
+  std::vector<int> softs = {};                             ///< in Cast::softs
+  std::vector<io::RecordedSoft> looks = {};  ///< of `softs`, with the triangles and segments that are left
+
+  /// What velocities are measured from: another frame, and one over the time since it; 0: they are zero
+  /// [1/s].
+  std::shared_ptr<const io::RecordedFrame> last = {};
+  double bodyRate = 0, vertexRate = 0;
+  std::vector<int> lastRows = {};  ///< of each row, in `last`; -1: its velocity is zero. Empty: the same rows
+
+  /// Of the origin of the body of a row [m/s].
+  Vec3 velocity(std::size_t row) const {
+    const std::size_t before = lastRows.empty() ? row : static_cast<std::size_t>(lastRows[row]);
+    if (bodyRate == 0 || before >= last->poses.size()) return {};
+    return (recorded->poses[row].position - last->poses[before].position) * bodyRate;
+  }
+  /// Of a vertex [m/s].
+  Vec3 vertexVelocity(std::size_t vertex) const {
+    if (vertexRate == 0) return {};
+    return (recorded->vertices[vertex] - last->vertices[vertex]) * vertexRate;
+  }
 };
 
 /// Reads frames from first to last. Velocities are those since the recorded frame before; in the first frame
@@ -69,19 +82,13 @@ class FrameSource {
   };
   void findLooks(bool withLooks);
   Rows bodyRows(const std::vector<io::RecordedBody>& bodies);
-  /// A frame with a pose for each of its rows, valid until the next call.
-  const io::RecordedFrame& frameOf(int index);
-  /// Places of a frame, for the velocities of another one.
-  struct Places {
-    int index = -1;  ///< -1: none
-    double time = 0;
-    std::vector<Vec3> positions, vertices;
-  };
-  void keep(int index, const io::RecordedFrame& frame);
+  /// A frame with a pose for each of its rows.
+  std::shared_ptr<const io::RecordedFrame> frameOf(int index);
   const Rows& rowsOf(int index);
   /// The frame that velocities of another one are measured from.
   int neighborOf(int index) const;
-  void fillVelocities(int index, const io::RecordedFrame& frame, const Rows& rows, ExportFrame& out);
+  /// Velocities of a frame since `last_`, of which the rows are those of `before`.
+  void measure(const Rows& before, const Rows& rows, ExportFrame& out) const;
 
   io::RecordingReader& recording_;
   int from_, every_, count_;
@@ -93,9 +100,9 @@ class FrameSource {
   std::map<Id, std::vector<int>> bodyNumbers_;  ///< in Cast::bodies
   std::set<std::string> names_;                 ///< of these
   std::vector<int> changes_;
-  std::vector<Rows> rows_;    ///< of the tables that begin at each of `changes_`
-  Places last_;               ///< of the frame that was read last, or of a neighbor
-  io::RecordedFrame pieced_;  ///< with the poses of drawn parts
+  std::vector<Rows> rows_;                         ///< of the tables that begin at each of `changes_`
+  int lastIndex_ = -1;                             ///< of `last_`; -1: none
+  std::shared_ptr<const io::RecordedFrame> last_;  ///< the frame that was read last, or a neighbor
 };
 
 /// Writes one format. Frames come in order.

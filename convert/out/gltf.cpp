@@ -50,7 +50,7 @@ class GltfWriter final : public FrameWriter {
     std::vector<bool> isThere(tracks_.size(), false);
     for (std::size_t row = 0; row < frame.bodies.size(); ++row) {
       const int i = frame.bodies[row];
-      const io::RecordedPose& pose = frame.poses[row];
+      const io::RecordedPose& pose = frame.recorded->poses[row];
       if (!nodes_.contains(i))
         nodes_[i] = {narrow(pose.position), narrow(pose.orientation),
                      job_.colorOf(cast().bodies[static_cast<std::size_t>(i)], pose)};

@@ -54,13 +54,13 @@ class ObjWriter final : public FrameWriter {
   void write(const ExportFrame& frame) override {
     io::OutputFile out(numberedFile(name_, frame.number));
     std::size_t next = 1;  // vertices count from 1
-    std::string text = "# " + std::to_string(frame.time) + " s\n";
+    std::string text = "# " + std::to_string(frame.recorded->time) + " s\n";
     for (std::size_t row = 0; row < frame.bodies.size(); ++row) {
       const auto i = static_cast<std::size_t>(frame.bodies[row]);
       const Surface& surface = surfaceOfBody(i);
       if (surface.points.empty()) continue;
       text += "o " + cast_.bodyNames[i] + '\n';
-      const io::RecordedPose& pose = frame.poses[row];
+      const io::RecordedPose& pose = frame.recorded->poses[row];
       for (const Vec3& x : surface.points) addVertex(text, pose.position + rotate(pose.orientation, x));
       for (const auto& t : surface.triangles) addIndices(text, 'f', t, next);
       next += surface.points.size();
@@ -71,7 +71,7 @@ class ObjWriter final : public FrameWriter {
       const io::RecordedSoft& look = frame.looks[k];
       const auto count = static_cast<std::size_t>(look.vertices);
       text += "o " + cast_.softNames[static_cast<std::size_t>(frame.softs[k])] + '\n';
-      for (std::size_t v = 0; v < count; ++v) addVertex(text, frame.vertices[first + v]);
+      for (std::size_t v = 0; v < count; ++v) addVertex(text, frame.recorded->vertices[first + v]);
       for (const auto& t : look.triangles) addIndices(text, 'f', t, next);
       for (const auto& s : look.segments) addIndices(text, 'l', s, next);
       if (look.spheres)

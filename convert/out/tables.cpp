@@ -36,17 +36,18 @@ class CsvWriter final : public FrameWriter {
   void write(const ExportFrame& frame) override {
     std::string text;
     const auto begin = [&](const std::string& object) {
-      addNumber(text, frame.number), text += ',', addNumber(text, frame.step), text += ',';
-      addNumber(text, frame.time), text += ',', addName(text, object), text += ',';
+      addNumber(text, frame.number), text += ',', addNumber(text, frame.recorded->step), text += ',';
+      addNumber(text, frame.recorded->time), text += ',', addName(text, object), text += ',';
     };
     const auto add = [&](const Vec3& v) {
       for (int axis = 0; axis < 3; ++axis) text += ',', addNumber(text, static_cast<float>(v[axis]));
     };
     for (std::size_t row = 0; row < frame.bodies.size(); ++row) {
       begin(cast_.bodyNames[static_cast<std::size_t>(frame.bodies[row])]);
-      for (int axis = 0; axis < 3; ++axis) text += ',', addNumber(text, frame.poses[row].position[axis]);
-      const Quat& q = frame.poses[row].orientation;
-      text += ',', addNumber(text, static_cast<float>(q.s)), add(q.v), add(frame.velocities[row]);
+      const io::RecordedPose& pose = frame.recorded->poses[row];
+      for (int axis = 0; axis < 3; ++axis) text += ',', addNumber(text, pose.position[axis]);
+      const Quat& q = pose.orientation;
+      text += ',', addNumber(text, static_cast<float>(q.s)), add(q.v), add(frame.velocity(row));
       text += '\n';
     }
     std::size_t first = 0;
@@ -54,8 +55,9 @@ class CsvWriter final : public FrameWriter {
       for (int v = 0; v < frame.looks[k].vertices; ++v, ++first) {
         begin(cast_.softNames[static_cast<std::size_t>(frame.softs[k])]);
         addNumber(text, v);
-        for (int axis = 0; axis < 3; ++axis) text += ',', addNumber(text, frame.vertices[first][axis]);
-        text += ",,,,", add(frame.vertexVelocities[first]), text += '\n';
+        for (int axis = 0; axis < 3; ++axis)
+          text += ',', addNumber(text, frame.recorded->vertices[first][axis]);
+        text += ",,,,", add(frame.vertexVelocity(first)), text += '\n';
       }
     if (!out_.write(text.data(), static_cast<std::streamsize>(text.size())).flush())
       throw Error(file_, "to be written in full", "a disk that is full");
@@ -212,14 +214,14 @@ class NpzWriter final : public FrameWriter {
   void write(const ExportFrame& frame) override {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     constexpr float kNoneF = std::numeric_limits<float>::quiet_NaN();
-    step_->add(std::vector{frame.step}), time_->add(std::vector{frame.time});
+    step_->add(std::vector{frame.recorded->step}), time_->add(std::vector{frame.recorded->time});
     std::vector<Vec3> places(cast_.bodies.size(), {kNone, kNone, kNone});
     std::vector<Vec3T<float>> speeds(cast_.bodies.size(), {kNoneF, kNoneF, kNoneF});
     std::vector<std::array<float, 4>> turns(cast_.bodies.size(), {kNoneF, kNoneF, kNoneF, kNoneF});
     for (std::size_t row = 0; row < frame.bodies.size(); ++row) {
       const auto i = static_cast<std::size_t>(frame.bodies[row]);
-      const Quat& q = frame.poses[row].orientation;
-      places[i] = frame.poses[row].position, speeds[i] = Vec3T<float>(frame.velocities[row]);
+      const Quat& q = frame.recorded->poses[row].orientation;
+      places[i] = frame.recorded->poses[row].position, speeds[i] = Vec3T<float>(frame.velocity(row));
       turns[i] = {static_cast<float>(q.s), static_cast<float>(q.v.x), static_cast<float>(q.v.y),
                   static_cast<float>(q.v.z)};
     }
@@ -230,7 +232,7 @@ class NpzWriter final : public FrameWriter {
     for (std::size_t k = 0; k < frame.softs.size(); ++k) {
       std::size_t to = cast_.firstVertices[static_cast<std::size_t>(frame.softs[k])];
       for (int v = 0; v < frame.looks[k].vertices; ++v, ++from, ++to)
-        places[to] = frame.vertices[from], speeds[to] = Vec3T<float>(frame.vertexVelocities[from]);
+        places[to] = frame.recorded->vertices[from], speeds[to] = Vec3T<float>(frame.vertexVelocity(from));
     }
     vertices_->add(places), vertexVelocities_->add(speeds);
   }

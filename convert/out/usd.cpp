@@ -14,14 +14,14 @@ namespace {
 
 /// Half precision, to nearest; |value| below 2.
 std::uint16_t toHalf(float value) {
-  const std::uint32_t bits = std::bit_cast<std::uint32_t>(value), sign = bits >> 16 & 0x8000u;
-  const std::uint32_t size = bits & 0x7fffffffu;
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(value), size = bits & 0x7fffffffu;
   constexpr std::uint32_t kSmallestNormal = 113u << 23;  // 2^-14
-  if (size < kSmallestNormal)
-    return static_cast<std::uint16_t>(
-        sign | static_cast<std::uint32_t>(std::lrint(std::ldexp(std::bit_cast<float>(size), 24))));
-  const std::uint32_t rounded = size + 0xfffu + (size >> 13 & 1u) - (112u << 23);
-  return static_cast<std::uint16_t>(sign | rounded >> 13);
+  // The last bit of numbers from this one up to twice that is the smallest half.
+  constexpr float kRounding = 0.5f;
+  const std::uint32_t small = std::bit_cast<std::uint32_t>(std::bit_cast<float>(size) + kRounding) -
+                              std::bit_cast<std::uint32_t>(kRounding);
+  const std::uint32_t normal = (size + 0xfffu + (size >> 13 & 1u) - (112u << 23)) >> 13;
+  return static_cast<std::uint16_t>((bits >> 16 & 0x8000u) | (size < kSmallestNormal ? small : normal));
 }
 
 Vec3f narrow(const Vec3& v) { return Vec3f(v); }
@@ -45,6 +45,7 @@ class UsdWriter final : public FrameWriter {
     if (frame.number == 0) {
       begin(frame);
     } else if (frame.newObjects && job_.source.cast().bodiesChange) {
+      findRows(frame);
       for (Group* group : {&moving_, &still_}) sampleMembers(*group, frame, time);
     }
     samplePoses(moving_, frame, time);
@@ -68,6 +69,7 @@ class UsdWriter final : public FrameWriter {
   /// An instancer and its attributes.
   struct Group {
     bool moves = false;
+    std::vector<std::size_t> rows;  ///< of the frame
     int prim = -1, indices = -1, ids = -1, scales = -1, colors = -1;
     int positions = -1, orientations = -1, fineOrientations = -1, velocities = -1;
   };
@@ -104,8 +106,8 @@ class UsdWriter final : public FrameWriter {
 
   /// Everything that the first frame decides: prims, prototypes, and what does not change.
   void begin(const ExportFrame& frame) {
-    Vec3 low = frame.poses.empty() ? Vec3{} : frame.poses[0].position, high = low;
-    for (const io::RecordedPose& pose : frame.poses)
+    Vec3 low = frame.recorded->poses.empty() ? Vec3{} : frame.recorded->poses[0].position, high = low;
+    for (const io::RecordedPose& pose : frame.recorded->poses)
       for (int axis = 0; axis < 3; ++axis)
         low[axis] = std::min(low[axis], pose.position[axis]),
         high[axis] = std::max(high[axis], pose.position[axis]);
@@ -116,6 +118,7 @@ class UsdWriter final : public FrameWriter {
     colors_.resize(cast().bodies.size());
     knowsColor_.resize(cast().bodies.size());
     moving_.moves = true;
+    findRows(frame);
     makeGroup(moving_, "moving"), makeGroup(still_, "still");
     for (const io::RecordedSoft& soft : cast().softs) addSoft(soft);
     for (Group* group : {&moving_, &still_}) {
@@ -174,16 +177,21 @@ class UsdWriter final : public FrameWriter {
     return prim;
   }
 
+  void findRows(const ExportFrame& frame) {
+    moving_.rows.clear(), still_.rows.clear();
+    for (std::size_t row = 0; row < frame.bodies.size(); ++row)
+      (isMoving_[static_cast<std::size_t>(frame.bodies[row])] ? moving_ : still_).rows.push_back(row);
+  }
+
   /// What belongs to each instance and does not move: given to `put` by attribute.
   template <class Put> void eachMember(const Group& group, const ExportFrame& frame, const Put& put) {
     std::vector<int> indices;
     std::vector<std::int64_t> ids;
     std::vector<Vec3f> scales, colors;
-    for (std::size_t row = 0; row < frame.bodies.size(); ++row) {
+    for (const std::size_t row : group.rows) {
       const auto i = static_cast<std::size_t>(frame.bodies[row]);
-      if (isMoving_[i] != group.moves) continue;
       if (!knowsColor_[i]) {
-        colors_[i] = narrow(job_.colorOf(cast().bodies[i], frame.poses[row]));
+        colors_[i] = narrow(job_.colorOf(cast().bodies[i], frame.recorded->poses[row]));
         knowsColor_[i] = true;
       }
       indices.push_back(prototype_[i]), ids.push_back(frame.bodies[row]);
@@ -211,20 +219,17 @@ class UsdWriter final : public FrameWriter {
   }
 
   template <class Put> void putPoses(const Group& group, const ExportFrame& frame, const Put& put) {
-    const std::size_t most = frame.bodies.size();
-    positions_.resize(most), velocities_.resize(most), orientations_.resize(most), halfs_.resize(most);
-    std::size_t count = 0;
-    for (std::size_t row = 0; row < most; ++row) {
-      if (isMoving_[static_cast<std::size_t>(frame.bodies[row])] != group.moves) continue;
-      const io::RecordedPose& pose = frame.poses[row];
-      positions_[count] = narrow(pose.position);
-      velocities_[count] = narrow(frame.velocities[row]);
-      const Quat4f q{static_cast<float>(pose.orientation.v.x), static_cast<float>(pose.orientation.v.y),
-                     static_cast<float>(pose.orientation.v.z), static_cast<float>(pose.orientation.s)};
-      orientations_[count] = q;
-      halfs_[count++] = {toHalf(q[0]), toHalf(q[1]), toHalf(q[2]), toHalf(q[3])};
-    }
+    const std::size_t count = group.rows.size();
     positions_.resize(count), velocities_.resize(count), orientations_.resize(count), halfs_.resize(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const io::RecordedPose& pose = frame.recorded->poses[group.rows[k]];
+      const Vec3& v = pose.orientation.v;
+      const Quat4f q{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z),
+                     static_cast<float>(pose.orientation.s)};
+      positions_[k] = narrow(pose.position), orientations_[k] = q;
+      velocities_[k] = narrow(frame.velocity(group.rows[k]));
+      halfs_[k] = {toHalf(q[0]), toHalf(q[1]), toHalf(q[2]), toHalf(q[3])};
+    }
     put(group.positions, spanOf(positions_));
     put(group.orientations, spanOf(halfs_));
     put(group.fineOrientations, spanOf(orientations_));
@@ -263,8 +268,8 @@ class UsdWriter final : public FrameWriter {
                   double time) {
     positions_.clear(), velocities_.clear();
     const auto add = [&](std::size_t vertex) {
-      positions_.push_back(narrow(frame.vertices[first + vertex]));
-      velocities_.push_back(narrow(frame.vertexVelocities[first + vertex]));
+      positions_.push_back(narrow(frame.recorded->vertices[first + vertex]));
+      velocities_.push_back(narrow(frame.vertexVelocity(first + vertex)));
     };
     if (soft.counts >= 0 && soft.indices < 0) {
       // A curve for each segment.

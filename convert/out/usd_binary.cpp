@@ -8,6 +8,7 @@
 
 #include "convert/out/usd_layer.h"
 #include "io/output_file.h"
+#include "platform/drop_behind.h"
 
 namespace rubble::convert {
 namespace {
@@ -98,7 +99,7 @@ Bytes packIntegers(const std::vector<std::int32_t>& values) {
 
 class BinaryLayer final : public UsdLayer {
  public:
-  explicit BinaryLayer(const std::string& file) : out_(file) {
+  explicit BinaryLayer(const std::string& file) : out_(file), behind_(out_.path()) {
     const Head empty{};
     put(&empty, sizeof empty);
     token("");  // number 0 has no sign, so no property may have it
@@ -149,6 +150,7 @@ class BinaryLayer final : public UsdLayer {
   void put(const void* data, std::size_t bytes) {
     out_.stream().write(static_cast<const char*>(data), static_cast<std::streamsize>(bytes));
     at_ += bytes;
+    behind_.written(at_);
   }
   template <class T> void put(const T& value) { put(&value, sizeof value); }
   template <class T> void putList(const std::vector<T>& values) {
@@ -361,6 +363,7 @@ class BinaryLayer final : public UsdLayer {
   }
 
   io::OutputFile out_;
+  platform::DropBehind behind_;
   std::uint64_t at_ = 0;
   std::vector<std::string> tokens_;
   std::map<std::string, std::uint32_t> tokenNumbers_;

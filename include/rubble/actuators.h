@@ -10,6 +10,7 @@
 namespace rubble {
 
 class World;
+class Worlds;
 
 /// What an actuator does with its input. `length` and `speed` are those of the actuator (ActuatorDef::gear).
 enum class ActuatorType {
@@ -87,29 +88,40 @@ struct ActuatorDef {
 /// Throws Error at `path` and the field that is not possible. Whether body and joint exist is not checked.
 void validate(const ActuatorDef& actuator, const std::string& path);
 
-/// Controls and activations of the actuators of a world.
+/// Controls and activations of the actuators of a world, or of many worlds of one scene. Snapshots of these
+/// worlds have them: World::restore() and Worlds::reset() set them to what they were, or to those at the
+/// beginning if the snapshot was taken before the actuators were made.
 class Actuators {
  public:
   /// Bodies and joints are those that the world has at present. Throws Error at "actuators[i]..." for one
   /// that is not there.
   Actuators(std::vector<ActuatorDef> actuators, const World& world);
+  /// The same in each of the worlds from `first` on, `count` of them; -1: up to the last one. World i has the
+  /// bits that it has alone. Throws Error for worlds that are not there.
+  Actuators(std::vector<ActuatorDef> actuators, const Worlds& worlds, int first = 0, int count = -1);
   ~Actuators();
   Actuators(Actuators&&) noexcept;
   Actuators& operator=(Actuators&&) noexcept;
 
   const std::vector<ActuatorDef>& definitions() const;
-  /// One number for each actuator, which stays until it is changed.
+  /// Worlds that they act in.
+  int worlds() const;
+  /// Shape: worlds x actuators, world after world. Numbers stay until they are changed.
   std::span<double> controls();
   /// The same; 0 for actuators without dynamics.
   std::span<double> activations();
   /// What each did in the last apply(): its force along its length, or by how much it moves a target; zeros
-  /// before.
+  /// before. Shape as controls().
   std::span<const double> forces() const;
   /// Sets motor forces, damping and targets of axes and applies forces to bodies for the next step of
   /// Params::dt, then advances the activations by that time. Call it before each step. Forces are those of
   /// the lengths and contacts before the step, and follow the speed in it to first order where they resist
-  /// it. What others set of these axes in the meantime is replaced.
+  /// it. What others set of these axes in the meantime is replaced. Throws Error for controls and
+  /// activations that are not finite, and for those of a batch.
   void apply(World& world);
+  /// The same in the worlds whose element of `active`, one for each of the batch, is not 0; empty: in all.
+  /// Throws Error for those of a single world.
+  void apply(Worlds& worlds, std::span<const char> active = {});
 
  private:
   struct Impl;

@@ -256,9 +256,9 @@ struct TendonFields {
   /// Five numbers for each point: side, x, y, z in the frame of its body [m], and the weight of the segment
   /// to the next point [1]; a segment of weight 0 does not count.
   std::vector<double> path;
-  /// Thirteen numbers for each term: 0 for a turn and 1 for a travel, the side that moves, the side that it
-  /// moves in, the axis and the anchor in the frame of the body that moves, and c_1 to c_4. q is 0 where the
-  /// bodies are when the joint is made.
+  /// Thirteen numbers for each term: kind, side that moves, side that it moves in, axis and anchor on the
+  /// body that moves, c_1 to c_4. q is 0 at first. Kinds: 0 turn, 1 travel, 2 to 4 angle about x, y, z of a
+  /// gimbal or six_dof joint, with the rotation vectors of its frames on both for axis and anchor [rad].
   std::vector<double> terms;
   /// Thirteen numbers for each sphere or cylinder that a segment goes around where it would cut it: the index
   /// of the point that the segment begins at, the side, the center in the frame of its body [m], and the

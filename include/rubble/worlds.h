@@ -88,6 +88,7 @@ class Worlds {
   std::size_t memoryBytes() const;
 
  private:
+  friend class Actuators;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -31,14 +31,17 @@ struct CardanAngles {
   RUBBLE_HD Vec3 gradient(int i) const {
     return i == 0 ? across / cosine : i == 1 ? nodes : tangent * across + Vec3{0, 0, 1};
   }
-  /// Column norms of the second derivative in world axes, times a force.
-  RUBBLE_HD Vec3 curvature(int i, const Quat& frameB, Real force) const {
+  /// The second derivative is sym(left right^T), in the frame of B.
+  RUBBLE_HD Vec3 left(int i) const { return i == 1 ? -across : nodes; }
+  RUBBLE_HD Vec3 right(int i) const {
     const Vec3 outer = gradient(2);
-    const Vec3 right = i == 0   ? (outer + tangent * across) / cosine
-                       : i == 1 ? outer
-                                : tangent * outer + across / (cosine * cosine);
-    return absOf(force) *
-           symmetricColumnNorms(rotate(frameB, i == 1 ? across : nodes), rotate(frameB, right));
+    return i == 0   ? (outer + tangent * across) / cosine
+           : i == 1 ? outer
+                    : tangent * outer + across / (cosine * cosine);
+  }
+  /// Its column norms in world axes, times a force.
+  RUBBLE_HD Vec3 curvature(int i, const Quat& frameB, Real force) const {
+    return absOf(force) * symmetricColumnNorms(rotate(frameB, left(i)), rotate(frameB, right(i)));
   }
 };
 

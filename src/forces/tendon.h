@@ -7,12 +7,14 @@
 ///   f(q) = c_1 q + c_2 q^2 + c_3 q^3 + c_4 q^4
 ///
 /// x_i = p + r_i is a point of its side, n_i the direction of segment i. q_k is the turn of one side in
-/// another about an axis (gear.h) or its travel along it (rack.h).
+/// another about an axis (gear.h) or its travel along it (rack.h). A joint that has several coordinates has
+/// travels and Cardan angles of its frames (six_dof.h).
 ///
 ///   J = w_i (-[n_i, r_i x n_i] at the first end, [n_i, r_(i+1) x n_i] at the second) + f' dq/dx
 ///   G: column norms of F d2c/dx2, with P of a segment under tension only (lengthCurvature)
 #include "forces/gear.h"
 #include "forces/linear_parts.h"
+#include "forces/six_dof.h"
 #include "forces/tendon_wrap.h"
 
 namespace rubble {
@@ -27,9 +29,10 @@ template <class R, class V, class Q> struct TendonPath {
   };
   struct Term {
     Q base, frame;    ///< joint -> frame body and joint -> body; x is the axis
-    V begin, anchor;  ///< in the frame body and in the body [m]
+    V begin, anchor;  ///< in the frame body and in the body [m]; of a Cardan angle begin.x is its zero [rad]
     R c[4];
-    int travels, body, frameBody;  ///< 0, 1, and sides
+    int kind;             ///< 0: turn, 1: travel, 2 to 4: Cardan angle about x, y or z
+    int body, frameBody;  ///< sides
   };
   Point point[kMostPoints];
   Term term[kMostTerms];
@@ -110,20 +113,33 @@ struct TendonAxis {
     RUBBLE_HD Quat base() const { return frame.q * term.base; }
     RUBBLE_HD Quat turn() const { return shortArc(conjugate(base()) * body.q * term.frame); }
     RUBBLE_HD Vec3 lever() const { return rotate(body.q, term.anchor); }
+    RUBBLE_HD int cardan() const { return term.kind - 2; }
+    /// Within one revolution.
+    RUBBLE_HD Real angle() const {
+      return term.kind == 0 ? twistAngle(turn()) : CardanAngles(turn()).angle[cardan()];
+    }
     RUBBLE_HD Real value(const RevolutionCounter& counter) const {
-      if (term.travels == 0) return counter.nearest(twistAngle(turn())) + static_cast<Real>(counter.turned());
+      if (term.kind != 1) {
+        const Real zero = term.kind == 0 ? Real(0) : term.begin.x;
+        return counter.nearest(angle()) + static_cast<Real>(counter.turned()) - zero;
+      }
       return dot(rotate(base(), Vec3{1, 0, 0}), body.p + lever() - frame.p - rotate(frame.q, term.begin));
     }
     RUBBLE_HD Vec6 gradient(bool ofFrame) const {
-      if (term.travels == 0) {
-        const Vec3 g = rotate(base(), twistGradient(turn()));
+      if (term.kind != 1) {
+        const Vec3 g = rotate(
+            base(), term.kind == 0 ? twistGradient(turn()) : CardanAngles(turn()).gradient(cardan()));
         return {{0, 0, 0}, ofFrame ? -g : g};
       }
       const Vec3 u = rotate(base(), Vec3{1, 0, 0}), r = lever();
       return ofFrame ? -Vec6{u, cross(body.p + r - frame.p, u)} : Vec6{u, cross(r, u)};
     }
     RUBBLE_HD void bend(bool ofFrame, Real s, Curve6& sum) const {
-      if (term.travels == 0) {
+      if (term.kind >= 2) {
+        const CardanAngles angles(turn());
+        return sum.addTurn(rotate(base(), angles.left(cardan())), rotate(base(), angles.right(cardan())), s);
+      }
+      if (term.kind == 0) {
         const Vec3 g = twistGradient(turn());
         return sum.addTurn(rotate(base(), g), rotate(base(), Vec3{0, g.z, -g.y}), -s);
       }
@@ -259,7 +275,7 @@ struct TendonJoint {
                        Vec3(t.begin),
                        Vec3(t.anchor),
                        {Real(t.c[0]), Real(t.c[1]), Real(t.c[2]), Real(t.c[3])},
-                       t.travels,
+                       t.kind,
                        t.body,
                        t.frameBody};
       }
@@ -273,8 +289,7 @@ struct TendonJoint {
     RUBBLE_HD void remember(const D& d, const FrameBodyPose& a, const FrameBodyPose& b, const Vec3d& origin) {
       world = Vec3(Vec3d{} - origin);
       for (int k = 0; k < d.terms; ++k)
-        if (d.term[k].travels == 0)
-          counter[k].follow(twistAngle(TendonAxis::coordinate(d, *this, a, b, k).turn()));
+        if (d.term[k].kind != 1) counter[k].follow(TendonAxis::coordinate(d, *this, a, b, k).angle());
     }
   };
 };
@@ -295,6 +310,10 @@ struct TendonKind {
                 &TendonFields::wraps)},
       kBreakForceField);
 
+  static rubble::Quat fromRotationVector(const rubble::Vec3& v) {
+    const double angle = length(v);
+    return angle > 0 ? fromAxisAngle(v / angle, angle) : rubble::Quat{};
+  }
   static void build(JointBuild& b) {
     const TendonFields& own = ownIn<TendonFields>(b.def.own);
     TendonJoint::Constants out{};
@@ -335,6 +354,12 @@ struct TendonKind {
               static_cast<int>(n[2])};
       term.base = normalize(conjugate(frame.orientation) * body.orientation * term.frame);
       term.begin = rotateInverse(frame.orientation, body.point(term.anchor) - frame.position);
+      if (term.kind >= 2) {
+        term.frame = normalize(conjugate(body.axes) * fromRotationVector({n[3], n[4], n[5]}));
+        term.base = normalize(conjugate(frame.axes) * fromRotationVector({n[6], n[7], n[8]}));
+        const rubble::Quat turn = conjugate(frame.orientation * term.base) * body.orientation * term.frame;
+        term.begin = {double(CardanAngles(shortArc(Quat(turn))).angle[term.kind - 2]), 0, 0};
+      }
       if (b.before && out.terms <= before.terms)
         term.base = before.term[out.terms - 1].base, term.begin = before.term[out.terms - 1].begin;
     }
@@ -372,12 +397,12 @@ struct TendonKind {
       if (own.path[i + 4] < 0) throw Error((path + ".path")[i + 4], "a weight of at least 0", "less");
     }
     for (std::size_t i = 0; i < own.terms.size(); i += kTermNumbers) {
-      whole(own.terms[i], 1, (path + ".terms")[i]);
+      whole(own.terms[i], 4, (path + ".terms")[i]);
       whole(own.terms[i + 1], 3, (path + ".terms")[i + 1]),
           whole(own.terms[i + 2], 3, (path + ".terms")[i + 2]);
       if (own.terms[i + 1] == own.terms[i + 2])
         throw Error((path + ".terms")[i + 2], "another side than the one that moves", "the same");
-      if (!(std::hypot(own.terms[i + 3], own.terms[i + 4], own.terms[i + 5]) > 1e-9))
+      if (own.terms[i] < 2 && !(std::hypot(own.terms[i + 3], own.terms[i + 4], own.terms[i + 5]) > 1e-9))
         throw Error((path + ".terms")[i + 3], "a direction", "zeros");
     }
   }

@@ -8,6 +8,7 @@
 #include <rubble/world.h>
 
 #include "cook/checks.h"
+#include "world/worlds_impl.h"
 
 namespace rubble {
 namespace {
@@ -126,29 +127,54 @@ struct Actuators::Impl {
     double position = 0, speed = 0;
     JointAxis base, now;
   };
+  /// What actuators act on in one world.
+  struct Site {
+    std::vector<Own> own;
+    std::vector<Axis> axes;
+  };
 
   std::vector<ActuatorDef> definitions;
-  std::vector<Own> own;
-  std::vector<Axis> axes;
-  std::vector<double> controls, activations, forces;
+  bool ofBatch = false;
+  int first = 0;  ///< world of a batch
+  std::vector<Site> sites;
+  std::shared_ptr<ActuatorState> state = std::make_shared<ActuatorState>();
+  std::vector<double> forces;
 
-  std::size_t axisAt(const World& world, JointId joint, std::size_t axis);
+  explicit Impl(std::vector<ActuatorDef> actuators);
+  void add(const World& world);
+  static std::size_t axisAt(Site& site, const World& world, JointId joint, std::size_t axis);
+  /// Of an actuator of a site, among those of all.
+  std::size_t placeOf(std::size_t site, std::size_t i) const { return site * definitions.size() + i; }
+  /// Within its bounds.
+  double control(std::size_t site, std::size_t i) const;
+  void requireFinite(std::size_t site) const;
+  /// Positions and speeds before the step.
+  void measure(const World& world, std::size_t site);
+  void act(World& world, std::size_t site);
   /// Activation after a step.
-  double next(std::size_t i, double control, double dt) const;
-  void actOnAxis(std::size_t i, double input);
-  void actOnBody(World& world, std::size_t i, double input);
+  double next(std::size_t i, double now, double given, double dt) const;
+  /// Both return what the actuator does.
+  double actOnAxis(std::size_t i, Axis& axis, double input) const;
+  double actOnBody(World& world, std::size_t i, BodyId body, double input) const;
 };
 
-std::size_t Actuators::Impl::axisAt(const World& world, JointId joint, std::size_t axis) {
-  for (std::size_t i = 0; i < axes.size(); ++i)
-    if (axes[i].joint == joint && axes[i].axis == axis) return i;
-  const JointAxis& base = world.definition(joint).axes[axis];
-  axes.push_back({joint, axis, 0, 0, base, base});
-  return axes.size() - 1;
+Actuators::Impl::Impl(std::vector<ActuatorDef> actuators) : definitions(std::move(actuators)) {
+  for (std::size_t i = 0; i < definitions.size(); ++i) {
+    validate(definitions[i], "actuators[" + std::to_string(i) + "]");
+    state->firstControls.push_back(definitions[i].control);
+    state->firstActivations.push_back(definitions[i].activation);
+  }
 }
 
-Actuators::Actuators(std::vector<ActuatorDef> actuators, const World& world)
-    : impl_(std::make_unique<Impl>()) {
+std::size_t Actuators::Impl::axisAt(Site& site, const World& world, JointId joint, std::size_t axis) {
+  for (std::size_t i = 0; i < site.axes.size(); ++i)
+    if (site.axes[i].joint == joint && site.axes[i].axis == axis) return i;
+  const JointAxis& base = world.definition(joint).axes[axis];
+  site.axes.push_back({joint, axis, 0, 0, base, base});
+  return site.axes.size() - 1;
+}
+
+void Actuators::Impl::add(const World& world) {
   const std::vector<BodyId> bodies = world.bodies();
   const std::vector<JointId> joints = world.joints();
   const auto within = [](const std::string& path, int index, std::size_t count, const char* what) {
@@ -156,23 +182,44 @@ Actuators::Actuators(std::vector<ActuatorDef> actuators, const World& world)
       throw Error(path, "one of " + std::to_string(count) + what, std::to_string(index));
     return static_cast<std::size_t>(index);
   };
-  for (std::size_t i = 0; i < actuators.size(); ++i) {
-    const ActuatorDef& actuator = actuators[i];
+  Site& site = sites.emplace_back();
+  for (std::size_t i = 0; i < definitions.size(); ++i) {
+    const ActuatorDef& actuator = definitions[i];
     const std::string path = "actuators[" + std::to_string(i) + "]";
-    validate(actuator, path);
-    Impl::Own own;
+    Own own;
     if (actsOnAxis(actuator.type)) {
       const JointId joint = joints[within(path + ".joint", actuator.joint, joints.size(), " joints")];
-      own.axis = impl_->axisAt(
-          world, joint, within(path + ".axis", actuator.axis, world.state(joint).axes.size(), " axes"));
+      own.axis = axisAt(site, world, joint,
+                        within(path + ".axis", actuator.axis, world.state(joint).axes.size(), " axes"));
     } else {
       own.body = bodies[within(path + ".body", actuator.body, bodies.size(), " bodies")];
     }
-    impl_->own.push_back(own);
-    impl_->controls.push_back(actuator.control), impl_->activations.push_back(actuator.activation);
+    site.own.push_back(own);
   }
-  impl_->forces.resize(actuators.size());
-  impl_->definitions = std::move(actuators);
+  const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(state->controls, state->firstControls), append(state->activations, state->firstActivations);
+  forces.resize(state->controls.size());
+}
+
+Actuators::Actuators(std::vector<ActuatorDef> actuators, const World& world)
+    : impl_(std::make_unique<Impl>(std::move(actuators))) {
+  impl_->add(world);
+  Worlds::Impl::of(world).addActuators(impl_->state, 0);
+}
+
+Actuators::Actuators(std::vector<ActuatorDef> actuators, const Worlds& worlds, int first, int count)
+    : impl_(std::make_unique<Impl>(std::move(actuators))) {
+  const int all = worlds.count();
+  if (first < 0 || first > all) throw Error("first", "0 to " + std::to_string(all), std::to_string(first));
+  if (count == -1) count = all - first;
+  if (count < 0 || count > all - first)
+    throw Error("count", "0 to " + std::to_string(all - first) + " worlds", std::to_string(count));
+  impl_->ofBatch = true, impl_->first = first;
+  for (int k = 0; k < count; ++k) impl_->add(worlds[first + k]);
+  for (int k = 0; k < count; ++k)
+    Worlds::Impl::of(worlds[first + k]).addActuators(impl_->state, static_cast<std::size_t>(k));
 }
 
 Actuators::~Actuators() = default;
@@ -180,36 +227,36 @@ Actuators::Actuators(Actuators&&) noexcept = default;
 Actuators& Actuators::operator=(Actuators&&) noexcept = default;
 
 const std::vector<ActuatorDef>& Actuators::definitions() const { return impl_->definitions; }
-std::span<double> Actuators::controls() { return impl_->controls; }
-std::span<double> Actuators::activations() { return impl_->activations; }
+int Actuators::worlds() const { return static_cast<int>(impl_->sites.size()); }
+std::span<double> Actuators::controls() { return impl_->state->controls; }
+std::span<double> Actuators::activations() { return impl_->state->activations; }
 std::span<const double> Actuators::forces() const { return impl_->forces; }
 
-double Actuators::Impl::next(std::size_t i, double control, double dt) const {
+double Actuators::Impl::next(std::size_t i, double now, double given, double dt) const {
   const ActuatorDef& a = definitions[i];
-  const double now = activations[i];
   double change = 0;
   switch (a.dynamics) {
     case ActuatorDynamics::None:
       return now;
     case ActuatorDynamics::Integrator:
-      change = control * dt;
+      change = given * dt;
       break;
     case ActuatorDynamics::Filter:
-      change = (control - now) / a.timeConstant * dt;
+      change = (given - now) / a.timeConstant * dt;
       break;
     case ActuatorDynamics::FilterExact:
-      change = -(control - now) * std::expm1(-dt / a.timeConstant);
+      change = -(given - now) * std::expm1(-dt / a.timeConstant);
       break;
     case ActuatorDynamics::Muscle:
-      change = a.muscle.activationRate(control, now) * dt;
+      change = a.muscle.activationRate(given, now) * dt;
       break;
   }
-  return std::clamp(now + change, a.minActivation, a.maxActivation);
+  // beyond the range of numbers the change may be none
+  return std::clamp(std::isnan(change) ? now : now + change, a.minActivation, a.maxActivation);
 }
 
-void Actuators::Impl::actOnAxis(std::size_t i, double input) {
+double Actuators::Impl::actOnAxis(std::size_t i, Axis& axis, double input) const {
   const ActuatorDef& a = definitions[i];
-  Axis& axis = axes[own[i].axis];
   const double length = a.gear * axis.position + a.offset, speed = a.gear * axis.speed;
   double force = 0, slope = 0;  // slope: by speed
   if (a.type == ActuatorType::Muscle) {
@@ -224,7 +271,7 @@ void Actuators::Impl::actOnAxis(std::size_t i, double input) {
     slope = a.gain.z * input + a.bias.z;
   }
   if (force < a.minForce || force > a.maxForce) slope = 0;
-  forces[i] = force = std::clamp(force, a.minForce, a.maxForce);
+  force = std::clamp(force, a.minForce, a.maxForce);
   switch (a.type) {
     case ActuatorType::Position:
       axis.now.targetPosition += force - a.included;
@@ -238,22 +285,22 @@ void Actuators::Impl::actOnAxis(std::size_t i, double input) {
       axis.now.damping += damping;
       axis.now.motorForce += a.gear * force + damping * axis.speed - a.included;
   }
+  return force;
 }
 
-void Actuators::Impl::actOnBody(World& world, std::size_t i, double input) {
+double Actuators::Impl::actOnBody(World& world, std::size_t i, BodyId body, double input) const {
   const ActuatorDef& a = definitions[i];
-  const BodyId body = own[i].body;
-  const double force = forces[i] = std::clamp(a.gain.x * input + a.bias.x, a.minForce, a.maxForce);
-  if (force == 0) return;
+  const double force = std::clamp(a.gain.x * input + a.bias.x, a.minForce, a.maxForce);
+  if (force == 0) return force;
   const auto isDynamic = [&](BodyId id) { return world.definition(id).motion == Motion::Dynamic; };
   if (a.type == ActuatorType::Wrench) {
-    if (!isDynamic(body)) return;
+    if (!isDynamic(body)) return force;
     const BodyState state = world.state(body);
     const auto turned = [&](const Vec3& v) { return rotate(state.orientation, v); };
     if (a.force != Vec3{})
       world.applyForceAt(body, force * turned(a.force), state.position + turned(a.position));
     if (a.torque != Vec3{}) world.applyTorque(body, force * turned(a.torque));
-    return;
+    return force;
   }
   std::vector<ContactPoint> points = world.contactsOf(body);
   std::erase_if(points, [](const ContactPoint& point) { return point.depth < 0 && point.force == Vec3{}; });
@@ -262,44 +309,123 @@ void Actuators::Impl::actOnBody(World& world, std::size_t i, double input) {
     for (const auto& [id, sign] : {std::pair{point.a, 1.}, {point.b, -1.}})
       if (isDynamic(id)) world.applyForceAt(id, sign * pull, point.position);
   }
+  return force;
 }
 
-void Actuators::apply(World& world) {
+double Actuators::Impl::control(std::size_t site, std::size_t i) const {
+  const ActuatorDef& a = definitions[i];
+  return std::clamp(state->controls[placeOf(site, i)], a.minControl, a.maxControl);
+}
+
+void Actuators::Impl::requireFinite(std::size_t site) const {
+  const auto require = [](const char* list, std::size_t at, double given) {
+    if (!std::isfinite(given))
+      throw Error(std::string(list) + "[" + std::to_string(at) + "]", "a finite number", checks::text(given));
+  };
+  for (std::size_t i = 0; i < definitions.size(); ++i) {
+    const std::size_t at = placeOf(site, i);
+    require("controls", at, control(site, i)), require("activations", at, state->activations[at]);
+  }
+}
+
+void Actuators::Impl::measure(const World& world, std::size_t site) {
+  for (Axis& axis : sites[site].axes) {
+    const JointAxisState now = world.state(axis.joint).axes[axis.axis];
+    axis.position = now.position, axis.speed = now.speed, axis.now = axis.base;
+  }
+}
+
+void Actuators::Impl::act(World& world, std::size_t site) {
   const double dt = world.params().dt;
-  Impl& impl = *impl_;
-  for (Impl::Axis& axis : impl.axes) {
-    const JointAxisState state = world.state(axis.joint).axes[axis.axis];
-    axis.position = state.position, axis.speed = state.speed, axis.now = axis.base;
+  auto& [own, axes] = sites[site];
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const ActuatorDef& a = definitions[i];
+    const std::size_t at = placeOf(site, i);
+    const double given = control(site, i);
+    double& activation = state->activations[at];
+    const double after = next(i, activation, given, dt);
+    const double input = a.dynamics == ActuatorDynamics::None ? given : a.early ? after : activation;
+    forces[at] = actsOnAxis(a.type) ? actOnAxis(i, axes[own[i].axis], input)
+                                    : actOnBody(world, i, own[i].body, input);
+    activation = after;
   }
-  for (std::size_t i = 0; i < impl.own.size(); ++i) {
-    const ActuatorDef& a = impl.definitions[i];
-    const double control = std::clamp(impl.controls[i], a.minControl, a.maxControl);
-    if (!std::isfinite(control))
-      throw Error("controls[" + std::to_string(i) + "]", "a finite number", checks::text(control));
-    const double next = impl.next(i, control, dt);
-    const double input = a.dynamics == ActuatorDynamics::None ? control
-                         : a.early                            ? next
-                                                              : impl.activations[i];
-    if (actsOnAxis(a.type))
-      impl.actOnAxis(i, input);
-    else
-      impl.actOnBody(world, i, input);
-    impl.activations[i] = next;
-  }
-  for (std::size_t i = 0; i < impl.axes.size();) {
+  for (std::size_t i = 0; i < axes.size();) {
     // axes of one joint are edited together
-    const JointId joint = impl.axes[i].joint;
+    const JointId joint = axes[i].joint;
     JointDef def = world.definition(joint);
     bool differs = false;
-    for (; i < impl.axes.size() && impl.axes[i].joint == joint; ++i) {
-      JointAxis& own = def.axes[impl.axes[i].axis];
+    for (; i < axes.size() && axes[i].joint == joint; ++i) {
+      JointAxis& to = def.axes[axes[i].axis];
       for (double JointAxis::*const member : {&JointAxis::targetPosition, &JointAxis::targetSpeed,
                                               &JointAxis::motorForce, &JointAxis::damping}) {
-        differs |= own.*member != impl.axes[i].now.*member;
-        own.*member = impl.axes[i].now.*member;
+        differs |= to.*member != axes[i].now.*member;
+        to.*member = axes[i].now.*member;
       }
     }
     if (differs) world.setDefinition(joint, def);
+  }
+}
+
+void Actuators::apply(World& world) {
+  if (impl_->ofBatch) throw Error("actuators", "those of a world", "those of a batch");
+  impl_->requireFinite(0);
+  impl_->measure(world, 0);
+  impl_->act(world, 0);
+}
+
+void Actuators::apply(Worlds& worlds, std::span<const char> active) {
+  Impl& own = *impl_;
+  if (!own.ofBatch) throw Error("actuators", "those of a batch", "those of a world");
+  const int all = worlds.count();
+  if (own.first + this->worlds() > all)
+    throw Error("worlds", "those that the actuators were made for", std::to_string(all) + " worlds");
+  if (!active.empty() && static_cast<int>(active.size()) != all)
+    throw Error("active", "one element per world, " + std::to_string(all), std::to_string(active.size()));
+  const int perBatch = worlds.impl_->perBatch;
+  std::vector<std::vector<int>> chosen(worlds.impl_->batches.size());
+  for (int w = own.first; w < own.first + this->worlds(); ++w) {
+    if (!active.empty() && active[static_cast<std::size_t>(w)] == 0) continue;
+    own.requireFinite(static_cast<std::size_t>(w - own.first));
+    chosen[static_cast<std::size_t>(w / perBatch)].push_back(w);
+  }
+  worlds.impl_->forEachBatch([&](std::size_t batch) {
+    // Edits of one world are sent before another one is read, so all are read first.
+    for (const int w : chosen[batch]) own.measure(worlds[w], static_cast<std::size_t>(w - own.first));
+    for (const int w : chosen[batch]) own.act(worlds[w], static_cast<std::size_t>(w - own.first));
+  });
+}
+
+void World::Impl::addActuators(const std::shared_ptr<ActuatorState>& state, std::size_t world) {
+  std::erase_if(actuators, [](const auto& each) { return each.first.expired(); });
+  actuators.emplace_back(state, world);
+}
+
+std::vector<std::vector<double>> World::Impl::actuatorValues() const {
+  std::vector<std::vector<double>> out;
+  for (const auto& [held, world] : actuators) {
+    const std::shared_ptr<const ActuatorState> state = held.lock();
+    if (!state) continue;
+    std::vector<double>& own = out.emplace_back();
+    const auto count = static_cast<std::ptrdiff_t>(state->firstControls.size());
+    for (const std::vector<double>* const list : {&state->controls, &state->activations}) {
+      const auto begin = list->begin() + static_cast<std::ptrdiff_t>(world) * count;
+      own.insert(own.end(), begin, begin + count);
+    }
+  }
+  return out;
+}
+
+void World::Impl::setActuatorValues(const std::vector<std::vector<double>>& values) {
+  std::size_t number = 0;
+  for (const auto& [held, world] : actuators) {
+    const std::shared_ptr<ActuatorState> state = held.lock();
+    if (!state) continue;
+    const std::size_t count = state->firstControls.size(), at = number++;
+    const bool has = at < values.size() && values[at].size() == 2 * count;
+    for (std::size_t i = 0; i < count; ++i) {
+      state->controls[world * count + i] = has ? values[at][i] : state->firstControls[i];
+      state->activations[world * count + i] = has ? values[at][count + i] : state->firstActivations[i];
+    }
   }
 }
 

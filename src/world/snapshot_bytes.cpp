@@ -167,12 +167,12 @@ template <class A> void fields(A& a, Registry& r) {
   all(a, r.bodies, r.joints, r.softs, r.attachments, r.softNames, r.sceneSofts, r.softOrder, r.bodyNames,
       r.jointNames, r.sceneBodies, r.shapes, r.surfaces, r.materialPairs);
   all(a, r.freeJointSlots, r.jointSlots, r.exclusions, r.planes, r.touches, r.sleepers, r.hasUnlistedBreaks,
-      r.gravity, r.step, r.time, r.script, r.nextEvent);
+      r.gravity, r.step, r.time, r.script, r.nextEvent, r.actuators);
 }
 
 namespace {
 
-constexpr std::string_view kMagic = "rubble snapshot 3\n";
+constexpr std::string_view kMagic = "rubble snapshot 4\n";
 
 /// What has to be equal for bytes to be read: the version, and the layout of the tables.
 std::string layoutOf(bool doublePrecision) {

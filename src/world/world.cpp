@@ -317,8 +317,10 @@ void World::setInputSink(inputs::Sink sink) { impl_->inputs = std::move(sink); }
 Snapshot World::snapshot() const {
   Snapshot out = withMemory("snapshot", [&] {
     impl_->flush();
-    return Snapshot{std::make_shared<Snapshot::Data>(
-        Snapshot::Data{impl_->registry, impl_->params, impl_->doublePrecision, impl_->engine->snapshot()})};
+    auto data = std::make_shared<Snapshot::Data>(
+        Snapshot::Data{impl_->registry, impl_->params, impl_->doublePrecision, impl_->engine->snapshot()});
+    data->registry.actuators = impl_->actuatorValues();
+    return Snapshot{std::move(data)};
   });
   impl_->pass(inputs::TakeSnapshot{out});
   return out;
@@ -342,6 +344,8 @@ void World::Impl::restoreRecords(Registry&& from, const Params& own) {
   registry = std::move(from);
   // rules are no part of the state of the engine
   if (ruled) engine->apply(surfacesEdit(registry.surfaces, registry.materialPairs));
+  setActuatorValues(registry.actuators);
+  registry.actuators.clear();
   jointRowsChanged = true;
   if (!inBatch) params = own;
   ++epoch;

@@ -129,6 +129,14 @@ struct Registry {
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;
+  /// In snapshots: controls and then activations of each of World::Impl::actuators.
+  std::vector<std::vector<double>> actuators;
+};
+
+/// Controls and activations of rubble::Actuators. Shape: worlds x actuators.
+struct ActuatorState {
+  std::vector<double> firstControls, firstActivations;  ///< of one world, at the beginning
+  std::vector<double> controls, activations;
 };
 
 /// Throws the Error of an invalid ray, number i of a list.
@@ -169,6 +177,8 @@ struct World::Impl {
   /// Also of the other worlds of a batch.
   std::shared_ptr<CookedShapes> cooked = std::make_shared<CookedShapes>();
   Events events;
+  /// Those that act on this world in the order in which they were made, and which of their worlds it is.
+  std::vector<std::pair<std::weak_ptr<ActuatorState>, std::size_t>> actuators;
 
   /// Tells the sink of inputs, if there is one, of a call.
   template <class Call> void pass(Call&& call) {
@@ -181,6 +191,10 @@ struct World::Impl {
   std::int64_t stepsToEvent() const;
   /// After a step that takes part in no other.
   void finishStep(StepReport& report);
+  void addActuators(const std::shared_ptr<ActuatorState>& state, std::size_t world);
+  /// What a snapshot has of them, and back.
+  std::vector<std::vector<double>> actuatorValues() const;
+  void setActuatorValues(const std::vector<std::vector<double>>& values);
   /// Takes over everything of a snapshot but the state of its engine.
   void restoreRecords(Registry&& from, const Params& own);
   /// Adds valid bodies, or none: an Error names that of `list` which cannot be made.

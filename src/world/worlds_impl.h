@@ -42,6 +42,7 @@ struct Worlds::Impl {
       throw Error("world", "a number below " + std::to_string(count()), std::to_string(world));
   }
   Batch& batchOf(int world) { return *batches[static_cast<std::size_t>(world / perBatch)]; }
+  static World::Impl& of(const World& world) { return *world.impl_; }
   World::Impl& at(int world) { return *worlds[static_cast<std::size_t>(world)].impl_; }
   /// f(k) for each of the batches, in parallel.
   template <class F> void forEachBatch(F&& f) {

@@ -40,7 +40,11 @@ const std::vector<std::string> kNames{"pendulum.xml",
                                       "gripper.xml",
                                       "soft_limits.xml",
                                       "telescope.xml",
-                                      "two_tendons.xml"};
+                                      "two_tendons.xml",
+                                      "gimbals.xml",
+                                      "muscle_arm.xml",
+                                      "rotors.xml",
+                                      "compound.xml"};
 
 std::string contentOf(const fs::path& file) {
   std::ostringstream out;

@@ -440,6 +440,7 @@ def main():
             compare_motion(rubble, "two_tendons", ["a", "b", "c", "d"], 0.6, folder)
             compare_motion(rubble, "telescope", ["s1", "s4", "h1", "h4"], 0.4, folder)
             compare_motion(rubble, "gimbals", ["thigh", "foot", "arm"], 0.5, folder, "away")
+            compare_motion(rubble, "compound", ["paddle", "wheel", "wrist", "carriage"], 0.4, folder, "on")
             compare_motion(rubble, "muscle_arm", ["upper", "fore"], 0.55, folder, "lift")
             compare_motion(rubble, "filters", [*"abcdefg"], 1.0, folder, "on")
             compare_motion(rubble, "rotors", ["craft"], 1.0, folder, "fly")

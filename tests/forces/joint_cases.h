@@ -62,14 +62,20 @@ template <class F> JointCase<F> randomJointCase(test::Random& random) {
   if constexpr (requires { d.pointB; }) d.pointB = random.vector(3);
   if constexpr (requires { d.direction; }) d.direction = random.direction();
   if constexpr (requires { d.term; }) {
-    d.points = 5, d.terms = 2;
+    d.points = 5, d.terms = 3;
     for (int i = 0; i < d.points; ++i)
       d.point[i] = {random.vector(), i == 3 ? Real(0) : random.uniform(.3, 1.5), i * 7 % 4};
     for (int k = 0; k < d.terms; ++k) {
       auto& term = d.term[k];
-      term.travels = k, term.body = k, term.frameBody = 3 - k;
+      // a turn, a travel, and one of the three Cardan angles
+      term.kind = k < 2 ? k : 2 + static_cast<int>(random.uniform(0, 3));
+      term.body = k, term.frameBody = 3 - k;
       term.base = random.rotation(), term.begin = random.vector(), term.anchor = random.vector();
-      term.frame = frameNear(random, poseOf(x, term.frameBody).q * term.base, poseOf(x, term.body).q);
+      const Quat base = poseOf(x, term.frameBody).q * term.base;
+      // not with the outer axes parallel, where a turn is about both
+      do term.frame = frameNear(random, base, poseOf(x, term.body).q);
+      while (k == 2 &&
+             std::fabs(rotate(conjugate(base) * poseOf(x, term.body).q * term.frame, Vec3{1, 0, 0}).z) > .8);
       for (Real& c : term.c) c = random.uniform(-.5, .5);
     }
   }

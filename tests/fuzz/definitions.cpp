@@ -165,7 +165,10 @@ BodyDef body(ByteSource& in) {
 
 JointDef joint(ByteSource& in) {
   JointDef out;
-  out.type = static_cast<JointType>(in.below(15));
+  // kinds of JointType; one in 16 is a gimbal
+  constexpr int kKinds = 15, kGimbal = 240;
+  const int kind = in.byte();
+  out.type = kind >= kGimbal ? jointType("gimbal") : static_cast<JointType>(kind % kKinds);
   out.anchorA = in.vector(-1, 1), out.anchorB = in.vector(-1, 1);
   out.frameA = in.rotation(), out.frameB = in.rotation();
   if (in.flag()) out.orientationAtoB = in.rotation();

@@ -1,7 +1,9 @@
-/// Scene files: what is read cooks or is an Error, is written and read again as it is, and takes a few steps.
+/// Scene files: what is read cooks or is an Error, is written and read again as it is, and takes a few
+/// steps with its actuators.
 #include <rubble/rubble.h>
 
 #include "io/scene_json.h"
+#include "tests/fuzz/byte_source.h"
 #include "tests/fuzz/target.h"
 
 namespace rubble::fuzz {
@@ -36,13 +38,30 @@ void writeAndReadAgain(const io::SceneFile& file) {
   expect(io::toJson(again) == text, "a scene is written in another way after it was read again");
 }
 
-void simulate(const io::SceneFile& file) {
+/// Sets controls from the bytes and acts. Activations stay within their bounds.
+void act(Actuators& actuators, World& world, ByteSource& in) {
+  for (double& control : actuators.controls())
+    if (in.flag()) control = in.seldom() ? in.bits() : in.between(-2, 2);
+  actuators.apply(world);
+  for (std::size_t i = 0; i < actuators.definitions().size(); ++i) {
+    const ActuatorDef& a = actuators.definitions()[i];
+    const double now = actuators.activations()[i];
+    expect(a.dynamics == ActuatorDynamics::None || (now >= a.minActivation && now <= a.maxActivation),
+           "an activation beyond its bounds");
+  }
+}
+
+void simulate(const io::SceneFile& file, ByteSource in) {
   try {
     WorldOptions options;
     options.threads = 1;
     options.events = true;
     World world(file.scene, options);
-    for (int i = 0; i < kSteps; ++i) world.step();
+    Actuators actuators(file.actuators, world);
+    for (int i = 0; i < kSteps; ++i) {
+      act(actuators, world, in);
+      world.step();
+    }
     for (const BodyId id : world.bodies()) {
       const BodyState state = world.state(id);
       expect(dot(state.position, state.position) >= 0, "a body is nowhere");
@@ -60,7 +79,7 @@ void testInput(std::span<const std::uint8_t> bytes) {
   for (const io::Fault& fault : faults) expect(!fault.message.empty(), "a fault without a message");
   if (!faults.empty() || !isSmall(file.scene)) return;
   writeAndReadAgain(file);
-  simulate(file);
+  simulate(file, ByteSource(bytes));
 }
 
 }  // namespace rubble::fuzz

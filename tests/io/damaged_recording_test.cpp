@@ -205,7 +205,7 @@ TEST(DamagedRecording, WhoseSizesMultiplyBeyondTheWidthOfAWord) {
   out.put(kFrames), out.put(std::uint32_t{0}), out.put(kVertices);
   Bytes content = out.bytes();
   content.resize(content.size() + kLeft);
-  EXPECT_FALSE(decodeFrames(content, 0, kVertices, 1e-5, kVersion));
+  EXPECT_FALSE(FrameDecoder{}.start(content, 0, kVertices, 1e-5, kVersion));
 }
 
 }  // namespace

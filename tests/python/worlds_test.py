@@ -50,6 +50,34 @@ class ManyWorlds(Case):
         worlds.step()
         self.assertNear(worlds.array("velocity")[rows][:, 0], range(3), 1e-6)
 
+    def test_actuators_have_a_row_of_controls_for_each_world(self):
+        scene = rubble.Scene(gravity=(0, 0, 0))
+        scene.add_body(rubble.box(1, 1, 1), name="crate", mass=2)
+        scene.add_actuator("wrench", name="jet", body="crate", force=(0, 3, 0), dynamics="integrator")
+        worlds = rubble.Worlds(scene, 3, threads=1)
+        actuators = rubble.Actuators(scene, worlds)
+        self.assertEqual((actuators.controls.shape, actuators.forces.shape), ((3, 1), (3, 1)))
+        start = worlds[0].snapshot()
+        actuators["jet"] = [1, 2, 3]
+        actuators.apply(active=[True, False, True])
+        dt = worlds.params["dt"]
+        np.testing.assert_allclose(actuators.activations[:, 0], [dt, 0, 3 * dt])
+        middle = worlds[2].snapshot()
+        actuators.apply()
+        worlds.step()
+        np.testing.assert_allclose(actuators.forces[:, 0], [dt, 0, 3 * dt])
+        self.assertNear(worlds[2].bodies["crate"].velocity, (0, 1.5 * 3 * dt * dt, 0), 1e-6)
+        worlds.reset(np.array([False, True, True]), middle)
+        np.testing.assert_allclose(actuators.activations[:, 0], [2 * dt, 3 * dt, 3 * dt])
+        np.testing.assert_array_equal(actuators["jet"], [1, 3, 3])
+        worlds.reset([0], start)
+        self.assertEqual((actuators.controls[0, 0], actuators.activations[0, 0]), (0, 0))
+        self.assertInvalid("active", lambda: actuators.apply(active=[True]))
+        self.assertInvalid("count", lambda: rubble.Actuators(scene, worlds, 1, 3))
+        controls = actuators.controls
+        del actuators  # the array keeps its numbers alive
+        self.assertEqual(controls.sum(), 6)
+
     def test_joints_and_sensors_have_rows_of_all_worlds(self):
         scene = rubble.Scene.from_registry("cart-pole", lean=0.1)
         worlds = rubble.Worlds(scene, 4, threads=1, dt=0.02, iterations=4)

@@ -314,7 +314,8 @@ RB_API void rb_actuators_destroy(rb_actuators* actuators);
 /// "name", "type" and "dynamics" of each actuator, as a JSON list.
 RB_API rb_status rb_actuators_list(const rb_actuators* actuators, const char** json);
 /// A number for each actuator, valid while they exist: controls and activations, which may be written, and
-/// what each did in the last rb_actuators_apply(). Any may be null.
+/// what each did in the last rb_actuators_apply(). Any may be null. Snapshots of the world have the first
+/// two.
 RB_API rb_status rb_actuators_arrays(rb_actuators* actuators, double** controls, double** activations,
                                      const double** forces);
 /// Acts on the world for its next step, and advances the activations by its time. Call it before each step.

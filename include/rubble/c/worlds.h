@@ -52,6 +52,13 @@ RB_API rb_status rb_worlds_contact_forces(const rb_worlds* worlds, const int32_t
 /// First hits of `count` rays, ray k in world numbers[k]. Hits name bodies of that world.
 RB_API rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays,
                                      int64_t count, rb_hit* hits);
+/// As rb_actuators_create(), in `count` worlds of that scene from world `first` on; -1: up to the last one.
+/// The arrays of rb_actuators_arrays() have a row for each of these worlds.
+RB_API rb_status rb_actuators_create_in(const rb_scene* scene, rb_worlds* worlds, int32_t first,
+                                        int32_t count, rb_actuators** actuators);
+/// As rb_actuators_apply(), in the worlds whose element of `active` (one for each of the batch, or null: all)
+/// is not 0.
+RB_API rb_status rb_actuators_apply_in(rb_actuators* actuators, const uint8_t* active);
 /// Sets an authored value in many worlds. `key`: "gravity", or "bodies.NAME.KEY" or "joints.NAME.KEY" with
 /// keys of scene files: "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness". World
 /// numbers[k] receives values[k * width] to values[k * width + width - 1], a number if width is 1.
