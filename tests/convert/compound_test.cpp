@@ -9,7 +9,9 @@
 namespace rubble {
 namespace {
 
-TEST(CompoundJoints, AreCoupledByEachOfTheirCoordinates) {
+class CompoundJoints : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(CompoundJoints, AreCoupledByEachOfTheirCoordinates) {
   convert::ImportOptions start;
   start.key = "on";
   const convert::Import model = convert::importModel(
@@ -18,7 +20,7 @@ TEST(CompoundJoints, AreCoupledByEachOfTheirCoordinates) {
   EXPECT_EQ(model.report.count(convert::Effect::Lost), 0u) << convert::textOf(model.report, true);
   WorldOptions options;
   options.threads = 1;
-  options.backend = "reference", options.params.dt = 1. / 1000, options.params.iterations = 8;
+  options.backend = GetParam(), options.params.dt = 1. / 1000, options.params.iterations = 8;
   World world(model.file.scene, options);
   Actuators actuators(model.file.actuators, world);
   const auto axis = [&](const char* joint, std::size_t number) {
@@ -36,6 +38,7 @@ TEST(CompoundJoints, AreCoupledByEachOfTheirCoordinates) {
   }
   EXPECT_GT(farthest, 0.02);
 }
+INSTANTIATE_TEST_SUITE_P(Backends, CompoundJoints, ::testing::Values("cpu", "reference"));
 
 }  // namespace
 }  // namespace rubble
