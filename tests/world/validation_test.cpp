@@ -78,7 +78,7 @@ TEST(Validation, NamesTheNumberOfATendonThatIsWrong) {
   spoilt("wraps[9]", [](TendonFields& t) { t.wraps[9] = 2; });
   spoilt("wraps[13]",
          [&](TendonFields& t) { t.wraps.insert(t.wraps.end(), good.wraps.begin(), good.wraps.end()); });
-  spoilt("terms[0]", [](TendonFields& t) { t.terms[0] = 2; });
+  spoilt("terms[0]", [](TendonFields& t) { t.terms[0] = 5; });
   spoilt("terms[1]", [](TendonFields& t) { t.terms[1] = 4; });
   spoilt("terms[2]", [](TendonFields& t) { t.terms[2] = -1; });
   spoilt("terms[2]", [](TendonFields& t) { t.terms[2] = 0; });
