@@ -77,7 +77,8 @@ TEST_P(Overflow, OfAllTablesAtOnceIsReportedAndChangesNoResult) {
   EXPECT_EQ(grown, all);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, Overflow, ::testing::Values("cpu", "reference", "lockstep"));
+INSTANTIATE_TEST_SUITE_P(Backends, Overflow, ::testing::Values("cpu", "reference", "lockstep"),
+                         [](const auto& info) { return std::string(info.param); });
 
 TEST(Reserve, RefusesKindsThatThereAreNot) {
   World world(test::tower(1), test::options());

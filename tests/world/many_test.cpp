@@ -194,7 +194,8 @@ TEST_P(ManyBodies, ArePhotographedWhileTheWorldStepsOn) {
   EXPECT_TRUE(w.posesReady());
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, ManyBodies, ::testing::Values("cpu", "reference", "lockstep"));
+INSTANTIATE_TEST_SUITE_P(Backends, ManyBodies, ::testing::Values("cpu", "reference", "lockstep"),
+                         [](const auto& info) { return std::string(info.param); });
 
 /// Bodies of every kind apart from one another: with and without a name, with geometry that several share,
 /// with materials that need an entry, and planes.
