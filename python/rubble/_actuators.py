@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from ._library import Handle, Named, check, invalid, json_of, lib
-
 from ._worlds import Worlds
 
 if TYPE_CHECKING:

@@ -123,7 +123,7 @@ TEST(TimeOfImpact, HeedsThatAMotionEndsWithinTheStep) {
   const auto fraction = [&](double untilA, double moveB, double untilB) {
     return timeOfImpact(a, {{4, 0, 0}, {}, untilA}, b, {{moveB, 0, 0}, {}, untilB}, kTolerance).fraction;
   };
-  // B stands still after a quarter of the step, .75 further, and A reaches it there
+  // B stands still after a quarter of the step, 0.75 further, and A reaches it there
   EXPECT_NEAR(fraction(1, 3, .25), (1 + .75) / 4, 1e-5);
   // A ends before B, and B does not come closer
   EXPECT_GT(fraction(.1, 3, .25), 1);

@@ -193,21 +193,16 @@ TEST(PointDistance, TellsSheetsApartAtAnyScale) {
     const Real gap = 1e-3 * size;
     for (const bool upperFirst : {false, true}) {
       const Real first = upperFirst ? gap : 0, second = upperFirst ? 0 : gap;
+      const Shape mesh = Shape::mesh({{-size, -size, first},
+                                      {size, -size, first},
+                                      {0, size, first},
+                                      {-size, -size, second},
+                                      {size, -size, second},
+                                      {0, size, second}},
+                                     {{0, 1, 2}, {3, 4, 5}}, true);
       Shelf shelf;
-      const ShapeData sheets = shelf.add(Shape::mesh({{-size, -size, first},
-                                                      {size, -size, first},
-                                                      {0, size, first},
-                                                      {-size, -size, second},
-                                                      {size, -size, second},
-                                                      {0, size, second}},
-                                                     {{0, 1, 2}, {3, 4, 5}}, true));
-      const CookedShape cooked = cook(Shape::mesh({{-size, -size, first},
-                                                   {size, -size, first},
-                                                   {0, size, first},
-                                                   {-size, -size, second},
-                                                   {size, -size, second},
-                                                   {0, size, second}},
-                                                  {{0, 1, 2}, {3, 4, 5}}, true));
+      const ShapeData sheets = shelf.add(mesh);
+      const CookedShape cooked = cook(mesh);
       const Vec3 x = rotateInverse(cooked.unit.axes, Vec3{0, 0, size} - cooked.unit.center);
       const PointReach reach{2 * size, size, {0, 0, 0}};
       EXPECT_NEAR(pointToGeneralShape(shelf.tables(), sheets, x, reach).distance, size - gap, 1e-9 * size);
