@@ -6,7 +6,7 @@
 
 #include "backend/cuda/cuda_letters.h"
 #include "backend/cuda/kernel_launcher.cuh"
-#include "backend/cuda/peer_signals.cuh"
+#include "backend/cuda/peer_kernels.cuh"
 #include "backend/distributed/rank_lists.h"
 #include "backend/peers/peer_phases.h"
 
@@ -36,94 +36,6 @@ class KeptBuffer {
   void* data_ = nullptr;
   std::size_t bytes_ = 0;
 };
-
-/// Appends the elements of [0, n) that pass a test to a list, block by block: ascending within a block. One
-/// kernel in place of the three of a library's selection (docs/research/tuning-log.md).
-template <class Test>
-__global__ void __launch_bounds__(kThreads)
-    listElements(const __grid_constant__ SolverData s, const Test test, Count n, int* list, int* listed,
-                 Gate gate) {
-  constexpr int kWarps = kThreads / kWarp;
-  constexpr int kEach = 8;  // elements of a thread for each addition to the length
-  __shared__ int sums[kWarps], begin;
-  gate.enter([&] {
-    const int count = n.get(), warp = static_cast<int>(threadIdx.x) / kWarp;
-    const Tile<kWarp> tile = Tile<kWarp>::ofThread();
-    for (int base = static_cast<int>(blockIdx.x) * kThreads * kEach; base < count;
-         base += static_cast<int>(gridDim.x) * kThreads * kEach) {
-      // warp by warp, kEach times kWarp elements
-      const int first = base + warp * kEach * kWarp + tile.lane;
-      unsigned passed[kEach];
-      int own = 0;
-#pragma unroll
-      for (int k = 0; k < kEach; ++k) {
-        const int i = first + k * kWarp;
-        passed[k] = tile.ballot(i < count && test(s, i));
-        own += __popc(passed[k]);
-      }
-      if (tile.lane == 0) sums[warp] = own;
-      __syncthreads();
-      if (threadIdx.x == 0) {
-        int sum = 0;
-        for (int w = 0; w < kWarps; ++w) {
-          const int of = sums[w];
-          sums[w] = sum, sum += of;
-        }
-        begin = atomicAdd(listed, sum);
-      }
-      __syncthreads();
-      int place = begin + sums[warp];
-#pragma unroll
-      for (int k = 0; k < kEach; ++k) {
-        if (passed[k] >> tile.lane & 1)
-          list[place + __popc(passed[k] & ((1u << tile.lane) - 1))] = first + k * kWarp;
-        place += __popc(passed[k]);
-      }
-      __syncthreads();
-    }
-  });
-}
-/// Bodies for each thread that stores poses of a color: few are seen by others.
-inline constexpr int kBodiesPerStore = 64;
-
-struct CloseOtherTrees : PeerKernel {
-  __device__ void operator()(const SolverData& s, int n) const {
-    if (const TreeNode& node = s.treeNode[n];
-        node.tree == n && node.body >= 0 && !p.isMine(p.owner[node.body]))
-      s.treeConverged[n] = 1;
-  }
-};
-
-/// ShareColor for the bodies of a color among those that others see.
-struct ShareSeenOfColor : PeerPost {
-  int color;
-  __device__ void operator()(const SolverData& s, int body) const {
-    if (isSwept(s, body) && s.color[body] == color) sharePose(s, p, body);
-  }
-};
-__global__ void __launch_bounds__(kThreads)
-    storeColor(const __grid_constant__ SolverData s, const ShareSeenOfColor push, Count shared,
-               PeerSignals signals, Control* control) {
-  signals.awaitPrevious();
-  if (control->stop != 0 || push.color >= s.counters->colors) return;
-  runStrided(s, push, shared.get(), [&](int k) { return shared.list[k]; });
-  meetAfterStores(signals, control);
-}
-
-/// The barrier after other kernels, unless `condition` points to zero.
-__global__ void __launch_bounds__(kMostPeers)
-    meetAll(PeerSignals signals, const int* condition, Control* control) {
-  signals.awaitPrevious();
-  if (control->stop == 0 && (!condition || *condition != 0)) meetPeers(signals, control);
-}
-
-/// Each color has a launch of its own: between two there is an exchange.
-__global__ void requireColors(Control* control, const int* colors, Room room) {
-  awaitPrevious();
-  if (control->stop != 0) return;
-  control->wideColors = *colors;
-  checkRoom(control, *colors, room);
-}
 
 }  // namespace
 
@@ -198,6 +110,7 @@ CudaPeers::~CudaPeers() = default;
 
 int CudaPeers::mostOf(PeerList list) const {
   switch (list) {
+    case PeerList::MigratingPairs:
     case PeerList::Pairs:
       return tables_.capacity(Per::Pair);
     case PeerList::ActivePairs:
@@ -207,6 +120,7 @@ int CudaPeers::mostOf(PeerList list) const {
     case PeerList::ExtraRows:
       return tables_.capacity(Per::Manifold);
     case PeerList::Bodies:
+    case PeerList::Ghosts:
     case PeerList::SeenBodies:
     case PeerList::SharedBodies:
       return tables_.capacity(Per::Body);
@@ -241,8 +155,11 @@ void CudaPeers::reserve() {
     m.extraJoint[type].reserve(capacity(perJoint(type)), data_.extraJoint[type]);
     m.jointAskers[type].reserve(capacity(perJoint(type)) * ranks, data_.jointAskers[type]);
   }
+  const auto beginning = [](int k) { return static_cast<int>(beginningOf(static_cast<PeerList>(k))); };
   for (int k = 0; k < kPeerLists; ++k)
-    m.lists[k].reserve(static_cast<std::size_t>(mostOf(static_cast<PeerList>(k))), data_.list[k]);
+    if (beginning(k) == k)
+      m.lists[k].reserve(static_cast<std::size_t>(mostOf(static_cast<PeerList>(k))), data_.list[k]);
+  for (int k = 0; k < kPeerLists; ++k) data_.list[k] = data_.list[beginning(k)];
 }
 
 std::size_t CudaPeers::bytes() const {
@@ -351,14 +268,15 @@ template <class Kernel> void CudaPeers::eachOld(const Kernel& kernel) {
   KernelLauncher& launcher = *launcher_;
   if (!beginsKernel<Kernel>()) return;
   launcher.enterStage(Kernel::kStage);
-  launcher.launch(kernel, {0, tables().oldPairOffset + tables().bodies}, tables_.capacity(Per::Pair),
-                  Kernel::kStage);
+  launcher.launch(kernel, oldPairs(), tables_.capacity(Per::Pair), Kernel::kStage);
 }
+Count CudaPeers::oldPairs() const { return {0, tables().oldPairOffset + tables().bodies}; }
+Count CudaPeers::countedList(PeerList list) const { return {0, countOf(list), elements(list)}; }
 template <class Kernel> void CudaPeers::eachOf(PeerList list, const Kernel& kernel) {
   KernelLauncher& launcher = *launcher_;
   if (!beginsKernel<Kernel>()) return;
   launcher.enterStage(Kernel::kStage);
-  launcher.launch(kernel, {0, countOf(list), elements(list)}, mostOf(list), Kernel::kStage);
+  launcher.launch(onDevice(kernel), countedList(list), mostOf(list), Kernel::kStage);
 }
 template <class Test> void CudaPeers::select(PeerList list, const Test& test, int n) {
   if (launcher_->begins() && n > 0) launchSelect(list, test, {n, nullptr}, n);
@@ -367,6 +285,12 @@ template <class Test> void CudaPeers::select(PeerList list, const Test& test, in
   KernelLauncher& launcher = *launcher_;
   if (launcher.begins()) launchSelect(list, test, {0, launcher.counter(n)}, launcher.capacityOf(n));
 }
+template <class Test> void CudaPeers::selectOld(PeerList list, const Test& test) {
+  if (launcher_->begins()) launchSelect(list, test, oldPairs(), tables_.capacity(Per::Pair));
+}
+template <class Test> void CudaPeers::selectOf(PeerList list, PeerList from, const Test& test) {
+  if (launcher_->begins()) launchSelect(list, test, countedList(from), mostOf(from));
+}
 template <class Test>
 void CudaPeers::launchSelect(PeerList list, const Test& test, const Count& n, int most) {
   KernelLauncher& launcher = *launcher_;
@@ -374,6 +298,14 @@ void CudaPeers::launchSelect(PeerList list, const Test& test, const Count& n, in
   launcher.launchNext(listElements<Test>, {launcher.blocksFor(most), kThreads}, "ranks", tables(), test, n,
                       data_.list[static_cast<int>(list)], data_.listed + static_cast<int>(list),
                       Gate{launcher.control_});
+}
+void CudaPeers::join(PeerList list, PeerList more) {
+  KernelLauncher& launcher = *launcher_;
+  if (!launcher.begins()) return;
+  launcher.enterStage("ranks");
+  launcher.launchNext(joinLists, {launcher.blocksFor(mostOf(more) / kEntriesPerJoin), kThreads}, "ranks",
+                      countOf(beginningOf(list)), countedList(more), data_.list[static_cast<int>(list)],
+                      data_.listed + static_cast<int>(list), Gate{launcher.control_});
 }
 void CudaPeers::barrier() { meetIf(nullptr); }
 void CudaPeers::barrierIf(int Counters::*counter) { meetIf(launcher_->counter(counter)); }
@@ -419,8 +351,6 @@ void CudaPeers::plan() {
   if (std::exchange(planned_, true)) return;
   enterExchange(Share::None, 0);
   peers::plan(*this);
-  select(PeerList::SharedBodies, SharedBody{data_}, tables().bodies);
-  if (tables().plan.coarseCorrection) select(PeerList::SeenBodies, SeenBody{data_}, tables().bodies);
 }
 void CudaPeers::listActivePairs() {
   if (!std::exchange(activeListed_, true)) peers::listActivePairs(*this);
@@ -446,10 +376,10 @@ void CudaPeers::shareColor(int color) {
     return exchangeLetters();
   }
   if (!launcher.begins()) return;
-  const Count shared{0, countOf(PeerList::SharedBodies), elements(PeerList::SharedBodies)};
   launchBarrier([&] {
     launcher.launchNext(storeColor, {launcher.blocksFor(tables().bodies / kBodiesPerStore), kThreads},
-                        "ranks", tables(), push, shared, impl_->signal, launcher.control_);
+                        "ranks", tables(), push, countedList(PeerList::SharedBodies), impl_->signal,
+                        launcher.control_);
   });
 }
 

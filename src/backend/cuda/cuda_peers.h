@@ -82,11 +82,16 @@ class CudaPeers {
   template <class Kernel> void eachOf(PeerList list, const Kernel& kernel);
   template <class Test> void select(PeerList list, const Test& test, int n);
   template <class Test> void select(PeerList list, const Test& test, int Counters::*n);
+  template <class Test> void selectOld(PeerList list, const Test& test);
+  template <class Test> void selectOf(PeerList list, PeerList from, const Test& test);
+  void join(PeerList list, PeerList more);
   void barrier();
   void barrierIf(int Counters::*counter);
 
  private:
   struct Impl;
+  Count countedList(PeerList list) const;
+  Count oldPairs() const;
   template <class Test> void launchSelect(PeerList list, const Test& test, const Count& n, int most);
   void meetIf(const int* condition);
   template <class Launch> void launchBarrier(Launch&& launch);

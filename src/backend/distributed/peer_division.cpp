@@ -67,15 +67,29 @@ void PeerDivision::fit() {
   }
 }
 
+template <class Test> void PeerDivision::add(List& to, const Test& test, int i) {
+  to.index.push_back(i);
+  if constexpr (requires { test.ownerOf(tables(), i); })
+    if (!data_.counts(test.ownerOf(tables(), i))) to.other.push_back(i);
+}
 template <class Test> void PeerDivision::select(PeerList list, const Test& test, int n) {
   List& to = lists_[static_cast<int>(list)];
-  to.index.clear(), to.other.clear();
-  for (int i = 0; i < n; ++i) {
-    if (!test(tables(), i)) continue;
-    to.index.push_back(i);
-    if constexpr (requires { test.ownerOf(tables(), i); })
-      if (!data_.counts(test.ownerOf(tables(), i))) to.other.push_back(i);
-  }
+  for (int i = 0; i < n; ++i)
+    if (test(tables(), i)) add(to, test, i);
+  listed_[static_cast<int>(list)] = static_cast<int>(to.index.size());
+}
+template <class Test> void PeerDivision::selectOf(PeerList list, PeerList from, const Test& test) {
+  List& to = lists_[static_cast<int>(list)];
+  for (const int k : elements(from))
+    if (test(tables(), k)) add(to, test, test.of(tables(), k));
+  listed_[static_cast<int>(list)] = static_cast<int>(to.index.size());
+}
+void PeerDivision::join(PeerList list, PeerList more) {
+  List& to = lists_[static_cast<int>(list)];
+  const List& then = lists_[static_cast<int>(more)];
+  to = lists_[static_cast<int>(beginningOf(list))];
+  to.index.insert(to.index.end(), then.index.begin(), then.index.end());
+  to.other.insert(to.other.end(), then.other.begin(), then.other.end());
   listed_[static_cast<int>(list)] = static_cast<int>(to.index.size());
 }
 
@@ -193,8 +207,8 @@ Division::Part PeerDivision::color(int color) {
 
 void PeerDivision::plan() {
   if (std::exchange(planned_, true)) return;
-  fit();
   settle();
+  fit();
   peers::plan(*this);
 }
 
@@ -202,7 +216,8 @@ void PeerDivision::share(Share what, int which) {
   if (what == Share::None) return;
   if (what == Share::Owners) {
     planned_ = activeListed_ = summed_ = atRest_ = false;
-    fit();
+    for (List& list : lists_) list.index.clear(), list.other.clear();
+    std::ranges::fill(listed_, 0);
   }
   settle();
   switch (what) {
@@ -229,13 +244,16 @@ void PeerDivision::share(Share what, int which) {
 
 void PeerDivision::gatherState() {
   if (std::exchange(cut_.holdsAll, 1)) return;
+  settle();
   peers::gatherState(*this);
 }
 
 void PeerDivision::settle() {
   for (int per = 0; per < kPerCount; ++per)
-    if (capacities_.empty() || capacities_[std::size_t(per)] != tables_.capacity(static_cast<Per>(per)))
+    if (capacities_.empty() || capacities_[std::size_t(per)] != tables_.capacity(static_cast<Per>(per))) {
+      fit();
       return barrier();
+    }
 }
 
 void PeerDivision::barrier() {

@@ -48,6 +48,11 @@ class PeerDivision final : public WorldDivision {
   template <class Test> void select(PeerList list, const Test& test, int Counters::*n) {
     select(list, test, tables().counters->*n);
   }
+  template <class Test> void selectOld(PeerList list, const Test& test) {
+    select(list, test, tables().oldPairOffset[tables().bodies]);
+  }
+  template <class Test> void selectOf(PeerList list, PeerList from, const Test& test);
+  void join(PeerList list, PeerList more);
   void barrier();
   void barrierIf(int Counters::*counter) {
     if (tables().counters->*counter != 0) barrier();
@@ -55,16 +60,19 @@ class PeerDivision final : public WorldDivision {
 
  private:
   struct List {
-    std::vector<int> index;  ///< ascending
-    std::vector<int> other;  ///< of these, those that another rank counts
+    std::vector<int> index;
+    std::vector<int> other;  ///< of these, those that another rank counts, in the same order
   };
+  /// Adds element `i` of a list; `test` selects it.
+  template <class Test> void add(List& to, const Test& test, int i);
   const std::vector<int>& elements(PeerList list) const { return lists_[static_cast<int>(list)].index; }
   bool isSeen(int node) const { return node < tables().bodies && data_.isSeen(node); }
   int ownerOfNode(int n) const;
   /// Grows the arrays of this rank to the present sizes.
   void fit();
   void plan();
-  /// A barrier if tables have grown since the last one: others must not store into the old ones.
+  /// If tables have grown since the last barrier: grows what belongs to them, and another barrier, since
+  /// others must not store into the old ones.
   void settle();
   void exchangeLetters();
   void passTurn();

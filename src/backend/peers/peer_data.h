@@ -18,14 +18,16 @@ inline constexpr int kEveryPeer = -1;
 
 /// Lists of the elements that a rank runs. Those of joints follow, by type.
 enum class PeerList {
-  Pairs,
-  ActivePairs,
-  Rows,
-  OwnRows,
-  ExtraRows,
+  MigratingPairs,  ///< old pairs that it gives to new owners
+  Pairs,           ///< near pairs
+  ActivePairs,     ///< of these, the active ones
+  OwnRows,         ///< of these, the rows
+  ExtraRows,       ///< rows evaluated for its slices alone
+  Rows,            ///< own rows, then extra ones
   Bodies,
-  SeenBodies,    ///< its own and those that it sees; on GPUs
-  SharedBodies,  ///< its own that others see; on GPUs
+  Ghosts,        ///< bodies of others that it sees
+  SeenBodies,    ///< its own, then ghosts
+  SharedBodies,  ///< its own that others see
   Slices,
   SeenSlices,
   MixedSlices,  ///< seen ones of mixed aggregates
@@ -39,6 +41,18 @@ enum class PeerJoints { All, Own, Extra };
 constexpr PeerList listOfJoints(PeerJoints kind, int type) {
   return static_cast<PeerList>(static_cast<int>(PeerList::FirstJoint) + kPeerJointLists * type +
                                static_cast<int>(kind));
+}
+template <class F> constexpr PeerList listOfJoints(PeerJoints kind) {
+  return listOfJoints(kind, typeIndex<F>(JointTypes{}));
+}
+/// The list that a list begins with, in the same memory; itself for most.
+constexpr PeerList beginningOf(PeerList list) {
+  if (list == PeerList::Rows) return PeerList::OwnRows;
+  if (list == PeerList::SeenBodies) return PeerList::Bodies;
+  const int joint = static_cast<int>(list) - static_cast<int>(PeerList::FirstJoint);
+  if (joint >= 0 && joint % kPeerJointLists == static_cast<int>(PeerJoints::All))
+    return listOfJoints(PeerJoints::Own, joint / kPeerJointLists);
+  return list;
 }
 
 /// Where the table of bodies is cut, and what the last cut left behind. The same on all ranks.
@@ -191,7 +205,8 @@ RUBBLE_HD inline PeerEnds endsOfRow(const SolverData& s, int row) {
   return endsOfManifold(s, s.rowBodies[row].manifold);
 }
 
-/// Predicates of the lists, and the owner of an element.
+/// Predicates of the lists, and the owner of an element. Those with `of` select from another list: of(k) is
+/// the element of the new list for element k of the other one.
 struct NearPair {
   PeerData p;
   RUBBLE_HD bool operator()(const SolverData& s, int k) const { return actsHere(p, endsOfPair(s.pair[k])); }
@@ -199,26 +214,23 @@ struct NearPair {
     return RUBBLE_CORE::ownerOf(p, endsOfPair(s.pair[k]));
   }
 };
+/// Of near pairs.
 struct NearActivePair {
   PeerData p;
-  RUBBLE_HD bool operator()(const SolverData& s, int i) const { return actsHere(p, endsOfManifold(s, i)); }
+  RUBBLE_HD bool operator()(const SolverData& s, int k) const { return s.isActive[k] != 0; }
+  RUBBLE_HD int of(const SolverData& s, int k) const { return s.activePairOffset[k]; }
   RUBBLE_HD int ownerOf(const SolverData& s, int i) const {
     return RUBBLE_CORE::ownerOf(p, endsOfManifold(s, i));
   }
 };
+/// Of near active pairs.
 struct NearRow {
-  PeerData p;
-  RUBBLE_HD bool operator()(const SolverData& s, int row) const { return actsHere(p, endsOfRow(s, row)); }
+  RUBBLE_HD bool operator()(const SolverData& s, int i) const { return s.hasRows[i] != 0; }
+  RUBBLE_HD int of(const SolverData& s, int i) const { return s.rowOffset[i]; }
 };
 struct ExtraRow {
   PeerData p;
   RUBBLE_HD bool operator()(const SolverData&, int row) const { return p.extraRow[row] != 0; }
-};
-struct EvaluatedRow {
-  PeerData p;
-  RUBBLE_HD bool operator()(const SolverData& s, int row) const {
-    return p.extraRow[row] != 0 || actsHere(p, endsOfRow(s, row));
-  }
 };
 template <class F> struct NearJoint {
   PeerData p;
@@ -232,28 +244,26 @@ template <class F> struct ExtraJoint {
   RUBBLE_HD bool operator()(const SolverData&, int i) const {
     return p.extraJoint[typeIndex<F>(JointTypes{})][i] != 0;
   }
-};
-template <class F> struct EvaluatedJoint {
-  PeerData p;
-  RUBBLE_HD bool operator()(const SolverData& s, int i) const {
-    return ExtraJoint<F>{p}(s, i) || NearJoint<F>{p}(s, i);
-  }
   RUBBLE_HD int ownerOf(const SolverData& s, int i) const { return NearJoint<F>{p}.ownerOf(s, i); }
 };
 struct OwnBody {
   PeerData p;
   RUBBLE_HD bool operator()(const SolverData& s, int i) const {
-    return isDynamic(s, i) && p.isMine(p.owner[i]);
+    return p.isMine(p.owner[i]) && isDynamic(s, i);
   }
   RUBBLE_HD int ownerOf(const SolverData&, int i) const { return p.owner[i]; }
 };
-struct SeenBody {
+struct Ghost {
   PeerData p;
-  RUBBLE_HD bool operator()(const SolverData& s, int i) const { return isDynamic(s, i) && p.isSeen(i); }
+  RUBBLE_HD bool operator()(const SolverData& s, int i) const {
+    return p.sightOf(p.rank, i) != 0 && !p.isMine(p.owner[i]) && isDynamic(s, i);
+  }
 };
+/// Of its own bodies.
 struct SharedBody {
   PeerData p;
   RUBBLE_HD bool operator()(const SolverData&, int i) const { return p.seenBy[i] != 0; }
+  RUBBLE_HD int of(const SolverData&, int i) const { return i; }
 };
 struct OwnSlice {
   PeerData p;

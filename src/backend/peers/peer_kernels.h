@@ -18,26 +18,32 @@ struct PeerPost : PeerKernel {
 
 // Contacts.
 
+/// Near pairs.
 struct ShareActivity : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     if (NearPair{p}.ownerOf(s, k) != p.rank) return;
     forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.isActive[k], s.isActive[k]); });
   }
 };
+/// Near active pairs.
 struct ShareTouches : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (NearActivePair{p}.ownerOf(s, i) != p.rank) return;
     forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.hasRows[i], s.hasRows[i]); });
   }
 };
-/// Rows of all ranks, as nodes of the graph of constraints.
-struct ShareRow : PeerPost {
+/// Rows of all ranks, as edges of the graph of constraints.
+struct FindRowBodies : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.hasRows[i] == 0) return;
-    const int row = s.rowOffset[i];
     const OrderedPair o = ordered(s.pair[s.activePair[i]]);
-    s.rowBodies[row] = {o.a, o.b, i};
-    if (NearActivePair{p}.ownerOf(s, i) != p.rank) return;
+    s.rowBodies[s.rowOffset[i]] = {o.a, o.b, i};
+  }
+};
+/// Own rows.
+struct ShareJoinLevel : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int row) const {
+    if (ownerOf(p, endsOfRow(s, row)) != p.rank) return;
     forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.joinLevel[row], s.joinLevel[row]); });
   }
 };
@@ -55,14 +61,6 @@ struct TakeWhetherBouncing : PeerKernel {
 
 // What a rank evaluates and sees.
 
-struct ClearExtraRows : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData&, int row) const { p.extraRow[row] = 0; }
-};
-template <class F> struct ClearExtraJoints : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData&, int i) const {
-    p.extraJoint[typeIndex<F>(JointTypes{})][i] = 0;
-  }
-};
 /// A slice belongs to the owner of its middle node. That rank evaluates all of its constraints.
 struct FindSliceOwners : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -77,10 +75,12 @@ RUBBLE_HD inline void see(const SolverData& s, const PeerData& p, int body) {
 /// For own slices: sees their bodies and the bodies of their boundary constraints, and marks the
 /// constraints that act on no body of this rank.
 struct SeeSlices : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
+  /// Share of worker `lane` of `lanes`.
+  RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     const Slice& slice = s.slice[i];
     const int level = s.aggregate[slice.aggregate].level;
-    for (int k = slice.begin; k < slice.end; ++k) {
+    for (int k = slice.begin + lane; k < slice.end; k += lanes) {
       const int body = s.aggregateNode[k];
       // all constraints of own bodies are near
       if (body >= s.bodies || p.isMine(p.owner[body])) continue;
@@ -110,6 +110,15 @@ struct SeeSlices : PeerKernel {
 struct SeeNeighbors : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) see(s, p, s.incidence[k].other);
+  }
+};
+/// After they are listed.
+struct ForgetExtraRows : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData&, int row) const { p.extraRow[row] = 0; }
+};
+template <class F> struct ForgetExtraJoints : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData&, int i) const {
+    p.extraJoint[typeIndex<F>(JointTypes{})][i] = 0;
   }
 };
 /// Asks the owners for rows of own slices.
@@ -162,21 +171,11 @@ template <class F> struct ForgetJointAskers : PeerKernel {
     for (int r = 0; r < p.ranks; ++r) p.askersOf<F>(i)[r] = 0;
   }
 };
-/// Tells the owners of bodies who sees them.
+/// Tells the owners of ghosts who sees them.
 struct ShareSight : PeerPost {
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (!sees(s, p, i)) return;
+  RUBBLE_HD void operator()(const SolverData&, int i) const {
     const PeerTables to = peerTables(p, p.owner[i]);
     to.put(to.p.sightOf(p.rank, i), std::uint8_t{1});
-  }
-  /// Does the rank need the pose of a body of another one?
-  RUBBLE_HD static bool sees(const SolverData& s, const PeerData& p, int i) {
-    return isDynamic(s, i) && !p.isMine(p.owner[i]) && p.sightOf(p.rank, i) != 0;
-  }
-};
-struct CountGhosts : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (ShareSight::sees(s, p, i)) atomicCount(&p.sums[p.rank].ghosts, 1);
   }
 };
 /// Own bodies.
@@ -189,8 +188,8 @@ struct FindSeers : PeerKernel {
     p.seenBy[i] = seers;
   }
 };
-/// Aggregates that move a body that this rank sees, and those that are not of this rank alone. Those with
-/// soft nodes move everywhere.
+/// Aggregates that move a body that this rank sees, and among them those that are not of this rank alone.
+/// Those with soft nodes move everywhere.
 struct BeginAggregateSight : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     p.sees[i] = p.mixed[i] = s.aggregate[i].soft != 0;
@@ -202,14 +201,16 @@ struct MixSlices : PeerKernel {
     if (p.sliceOwner[i] != p.rank) p.mixed[s.slice[i].aggregate] = 1;
   }
 };
-/// By node and level.
+/// Own bodies and ghosts. A body of another rank that is no ghost lies in a slice of another rank.
 struct SeeAggregates : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData& s, int t) const {
-    const int aggregate = s.aggregateOf[t], node = t % s.nodes();
-    if (aggregate < 0 || node >= s.bodies) return;
-    const bool own = p.owner[node] == p.rank;
-    if (own || p.isSeen(node)) p.sees[aggregate] = 1;
-    if (!own || p.seenBy[node] != 0) p.mixed[aggregate] = 1;
+  RUBBLE_HD void operator()(const SolverData& s, int body) const {
+    const bool mixed = p.owner[body] != p.rank || p.seenBy[body] != 0;
+    for (int level = 0; level < kCoarseLevels; ++level) {
+      const int aggregate = s.aggregateOf[atLevel(s, level, body)];
+      if (aggregate < 0) continue;
+      p.sees[aggregate] = 1;
+      if (mixed) p.mixed[aggregate] = 1;
+    }
   }
 };
 
@@ -347,6 +348,7 @@ struct CountPart : PeerKernel {
     }
     own.failedSolves = s.counters->failedSolves, own.boundedSteps = s.counters->boundedSteps;
     own.bodies = p.listed[static_cast<int>(PeerList::Bodies)];
+    own.ghosts = p.listed[static_cast<int>(PeerList::Ghosts)];
     own.rows = p.listed[static_cast<int>(PeerList::Rows)];
   }
 };

@@ -144,14 +144,19 @@ RUBBLE_HD inline bool migrates(const PeerData& p, const PeerEnds& ends) {
   return p.cut->changed != 0 && p.cut->holdsAll == 0 && hasNewOwner(p, ends) &&
          ownerOf(p, p.ownerBefore, p.movesBefore, ends) == p.rank;
 }
-/// An old pair that has new owners: from the old owner to all.
+/// Test of old pairs.
+struct MigratingPair {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int k) const {
+    return migrates(p, endsOfPair(s.oldPair[k]));
+  }
+};
+/// To all ranks.
 struct MigratePairs {
   static constexpr const char* kStage = "owners";
   static constexpr bool kPosts = true;
   PeerData p;
-  RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    if (migrates(p, endsOfPair(s.oldPair[k]))) shareOldPair(s, p, k);
-  }
+  RUBBLE_HD void operator()(const SolverData& s, int k) const { shareOldPair(s, p, k); }
 };
 template <class F> struct MigrateJoints {
   static constexpr const char* kStage = "owners";
@@ -165,8 +170,8 @@ template <class F> struct MigrateJoints {
 struct CountMigratedPairs {
   static constexpr const char* kStage = "owners";
   PeerData p;
-  RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    if (migrates(p, endsOfPair(s.oldPair[k]))) atomicCount(&p.sums[p.rank].migrated, 1);
+  RUBBLE_HD void operator()(const SolverData&, int) const {
+    p.sums[p.rank].migrated += p.listed[static_cast<int>(PeerList::MigratingPairs)];
   }
 };
 template <class F> struct CountMigratedJoints {

@@ -4,8 +4,12 @@
 ///   tables(), data()          of this rank
 ///   each(kernel, n)           kernel(tables, i) for i < n; n may be a counter
 ///   eachOld(kernel)           for the pairs of the last step
+///   selectOld(list, test)     makes the list of those with test(tables, k)
 ///   eachOf(list, kernel)      for the elements of a list
 ///   select(list, test, n)     makes the list of all i < n with test(tables, i)
+///   selectOf(list, from, test)
+///                             for all k of a list with test(tables, k): the list of test.of(tables, k)
+///   join(list, more)          makes the list of what beginningOf(list) and another one have
 ///   barrier()                 waits for all ranks; what was stored before it is visible after it
 ///   barrierIf(counter)        the same if the counter is not zero. It is equal on all ranks.
 ///   kCountsNear               counters count near elements, and not only those that this rank counts
@@ -43,38 +47,38 @@ template <class M> void beginStep(M& m) {
   m.each(KnowBodies{p}, 1);
   m.each(CompareOwners{p}, s.bodies);
   m.barrier();
-  m.eachOld(CountMigratedPairs{p});
+  m.selectOld(PeerList::MigratingPairs, MigratingPair{p});
+  m.each(CountMigratedPairs{p}, 1);
   eachJointType(m, [&]<class F>(int n) { m.each(CountMigratedJoints<F>{p}, n); });
-  m.eachOld(MigratePairs{p});
+  m.eachOf(PeerList::MigratingPairs, MigratePairs{p});
   eachJointType(m, [&]<class F>(int n) { m.each(MigrateJoints<F>{p}, n); });
   m.barrier();
   m.each(EndOwners{p}, 1);
   m.select(PeerList::Pairs, NearPair{p}, &Counters::pairs);
-  eachJointType(m, [&]<class F>(int n) {
-    m.select(listOfJoints(PeerJoints::Own, typeIndex<F>(JointTypes{})), NearJoint<F>{p}, n);
-  });
+  eachJointType(m, [&]<class F>(int n) { m.select(listOfJoints<F>(PeerJoints::Own), NearJoint<F>{p}, n); });
 }
 
 /// Flags of pairs and manifolds: the last reader is in the step before.
 template <class M> void shareActivity(M& m) {
-  m.each(ShareActivity{{{m.data()}}}, &Counters::pairs);
+  m.eachOf(PeerList::Pairs, ShareActivity{{{m.data()}}});
   m.barrier();
 }
 template <class M> void listActivePairs(M& m) {
-  m.select(PeerList::ActivePairs, NearActivePair{m.data()}, &Counters::activePairs);
+  m.selectOf(PeerList::ActivePairs, PeerList::Pairs, NearActivePair{m.data()});
 }
 template <class M> void shareTouches(M& m) {
   m.eachOf(PeerList::ActivePairs, CountContacts{{m.data()}, M::kCountsNear});
-  m.each(ShareTouches{{{m.data()}}}, &Counters::activePairs);
+  m.eachOf(PeerList::ActivePairs, ShareTouches{{{m.data()}}});
   m.barrier();
 }
 template <class M> void shareRows(M& m) {
   const PeerData p = m.data();
-  m.each(ShareRow{{{p}}}, &Counters::activePairs);
+  m.each(FindRowBodies{{p}}, &Counters::activePairs);
+  m.selectOf(PeerList::OwnRows, PeerList::ActivePairs, NearRow{});
+  m.eachOf(PeerList::OwnRows, ShareJoinLevel{{{p}}});
   if (m.tables().bounces) m.each(ShareWhetherBouncing{{{p}}}, 1);
   m.barrier();
   if (m.tables().bounces) m.each(TakeWhetherBouncing{{p}}, 1);
-  m.select(PeerList::OwnRows, NearRow{p}, &Counters::manifolds);
 }
 
 /// What this rank evaluates and sees in the iterations. Asks for rows and joints of slices at a border, which
@@ -85,40 +89,43 @@ template <class M> void plan(M& m) {
   const PeerData p = m.data();
   const bool coarse = s.plan.coarseCorrection;
   m.select(PeerList::Bodies, OwnBody{p}, s.bodies);
-  m.each(ClearExtraRows{{p}}, &Counters::manifolds);
-  eachJointType(m, [&]<class F>(int n) { m.each(ClearExtraJoints<F>{{p}}, n); });
   if (coarse) {
     m.each(FindSliceOwners{{p}}, &Counters::slices);
     m.select(PeerList::Slices, OwnSlice{p}, &Counters::slices);
     m.eachOf(PeerList::Slices, SeeSlices{{p}});
     m.select(PeerList::ExtraRows, ExtraRow{p}, &Counters::manifolds);
+    m.eachOf(PeerList::ExtraRows, ForgetExtraRows{{p}});
   }
-  m.select(PeerList::Rows, EvaluatedRow{p}, &Counters::manifolds);
+  m.join(PeerList::Rows, PeerList::ExtraRows);
   eachJointType(m, [&]<class F>(int n) {
-    constexpr int kType = typeIndex<F>(JointTypes{});
-    if (coarse) m.select(listOfJoints(PeerJoints::Extra, kType), ExtraJoint<F>{p}, n);
-    m.select(listOfJoints(PeerJoints::All, kType), EvaluatedJoint<F>{p}, n);
+    if (coarse) {
+      m.select(listOfJoints<F>(PeerJoints::Extra), ExtraJoint<F>{p}, n);
+      m.eachOf(listOfJoints<F>(PeerJoints::Extra), ForgetExtraJoints<F>{{p}});
+    }
+    m.join(listOfJoints<F>(PeerJoints::All), listOfJoints<F>(PeerJoints::Extra));
   });
   m.eachOf(PeerList::Bodies, SeeNeighbors{{p}});
-  m.each(CountGhosts{{p}}, s.bodies);
+  m.select(PeerList::Ghosts, Ghost{p}, s.bodies);
   if (coarse) {
     m.eachOf(PeerList::ExtraRows, AskExtraRows{{{p}}});
-    eachJointType(m, [&]<class F>(int) {
-      m.eachOf(listOfJoints(PeerJoints::Extra, typeIndex<F>(JointTypes{})), AskExtraJoints<F>{{{p}}});
-    });
+    eachJointType(
+        m, [&]<class F>(int) { m.eachOf(listOfJoints<F>(PeerJoints::Extra), AskExtraJoints<F>{{{p}}}); });
   }
-  m.each(ShareSight{{{p}}}, s.bodies);
+  m.eachOf(PeerList::Ghosts, ShareSight{{{p}}});
   m.barrier();
   m.eachOf(PeerList::Bodies, FindSeers{{p}});
+  m.selectOf(PeerList::SharedBodies, PeerList::Bodies, SharedBody{p});
   if (!coarse) return;
-  m.each(GiveRows{{{p}}}, &Counters::manifolds);
-  eachJointType(m, [&]<class F>(int n) { m.each(GiveJoints<F>{{{p}}}, n); });
+  m.eachOf(PeerList::OwnRows, GiveRows{{{p}}});
+  eachJointType(m, [&]<class F>(int) { m.eachOf(listOfJoints<F>(PeerJoints::Own), GiveJoints<F>{{{p}}}); });
   m.barrier();
-  m.each(ForgetRowAskers{{p}}, &Counters::manifolds);
-  eachJointType(m, [&]<class F>(int n) { m.each(ForgetJointAskers<F>{{p}}, n); });
+  m.eachOf(PeerList::OwnRows, ForgetRowAskers{{p}});
+  eachJointType(m,
+                [&]<class F>(int) { m.eachOf(listOfJoints<F>(PeerJoints::Own), ForgetJointAskers<F>{{p}}); });
+  m.join(PeerList::SeenBodies, PeerList::Ghosts);
   m.each(BeginAggregateSight{{p}}, &Counters::aggregates);
   m.each(MixSlices{{p}}, &Counters::slices);
-  m.each(SeeAggregates{{p}}, s.nodes() * kCoarseLevels);
+  m.eachOf(PeerList::SeenBodies, SeeAggregates{{p}});
   m.select(PeerList::SeenSlices, SeenSlice{p}, &Counters::slices);
   m.select(PeerList::MixedSlices, MixedSlice{p}, &Counters::slices);
   m.select(PeerList::SentSlices, SentSlice{p}, &Counters::slices);
@@ -149,12 +156,8 @@ template <class M> void shareMotion(M& m) {
 template <class M> void shareBreaks(M& m) {
   const PeerData p = m.data();
   if (!m.tables().hasJoints()) return;
-  eachJointType(m, [&]<class F>(int) {
-    m.eachOf(listOfJoints(PeerJoints::Own, typeIndex<F>(JointTypes{})), CountBreaks<F>{{p}});
-  });
-  eachJointType(m, [&]<class F>(int) {
-    m.eachOf(listOfJoints(PeerJoints::Own, typeIndex<F>(JointTypes{})), ShareBreaks<F>{{{p}}});
-  });
+  eachJointType(m, [&]<class F>(int) { m.eachOf(listOfJoints<F>(PeerJoints::Own), CountBreaks<F>{{p}}); });
+  eachJointType(m, [&]<class F>(int) { m.eachOf(listOfJoints<F>(PeerJoints::Own), ShareBreaks<F>{{{p}}}); });
   m.each(ShareSumsOfStep{{{p}}}, 1);
   m.barrier();
   m.each(TakeBreaks{{p}, M::kCountsNear}, 1);
