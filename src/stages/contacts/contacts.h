@@ -186,9 +186,18 @@ inline constexpr Real kMostGive = Real(.05);
 /// Stiffness per unit of load [1/m]: the mass that a load corresponds to, over dt^2, per newton. A weight
 /// |lambda| corresponds to the mass |lambda| / a. An approach that stops in the step corresponds to at most
 /// kImpactMasses |lambda| dt / speed. `thin`: half the thickness of the thinner body [m].
-RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real thin) {
-  const Real give = c.loadAcceleration * c.dt * c.dt;
-  return Real(1) / max(thin > Real(0) ? min(give, kMostGive * thin) : give, speed * c.dt / kImpactMasses);
+RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real thin, Real gain) {
+  const Real full = c.loadAcceleration * c.dt * c.dt,
+             give = (thin > Real(0) ? min(full, kMostGive * thin) : full) / gain;
+  return Real(1) / max(give, speed * c.dt / kImpactMasses);
+}
+
+/// Factor of the stiffness of a contact in a column [1].
+RUBBLE_HD inline Real columnGain(const SolverData& s, const OrderedPair& o) {
+  int length = std::numeric_limits<int>::max();
+  for (const int body : {o.a, o.b})
+    if (isDynamic(s, body)) length = min(length, s.pushed[body] >> kColumnShift);
+  return max(Real(1), static_cast<Real>(length) / Real(kStiffColumn));
 }
 
 /// Upper bound of |lambda| of a contact with this closing speed [N].
@@ -235,7 +244,7 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, const PairPlace&
   const ShapeTables tables = s.shapeTables();
   const Real thin = thinner(innerRadiusOf(tables, pa.shape), innerRadiusOf(tables, pb.shape));
   const Real speed = max(fastest, impactSpeedBoundOf(s, o.a, o.b));
-  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, speed, thin);
+  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, speed, thin, columnGain(s, o));
   p.tangent = tangentRule(c, p.normal);
   return p;
 }
