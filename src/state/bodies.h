@@ -64,8 +64,8 @@ struct TraitCounts {
   }
 };
 
-/// What happened to a body in the last step, as bits of SolverData::pushed. The number of bodies of its column
-/// (state/columns.h) is stored above them.
+/// What happened to a body in the last step, as bits of SolverData::pushed. The number of bodies of its
+/// column (state/columns.h) is stored above them.
 enum LastStep : int {
   kForced = 1,   ///< a user force acted
   kStopped = 2,  ///< continuous collision detection cut its motion short

@@ -9,9 +9,9 @@ inline constexpr int kStiffColumn = 16;
 
 /// The contacts by which a body may belong to a column.
 struct ColumnLinks {
-  int other[2];            ///< dynamic bodies that it touches; -1: none
-  std::uint32_t code[2];   ///< incidences of these contacts
-  int member;              ///< 1: it touches at most two bodies, and its rows are all contacts
+  int other[2];           ///< dynamic bodies that it touches; -1: none
+  std::uint32_t code[2];  ///< incidences of these contacts
+  int member;             ///< 1: it touches at most two bodies, and its rows are all contacts
 };
 
 /// A body of a column. The nodes of a column are consecutive, from one end to the other.

@@ -354,6 +354,8 @@ RUBBLE_HD inline bool isAsleep(const SolverData& s, int body) {
 RUBBLE_HD inline bool isPausedPoint(const SolverData& s, int vertex) {
   return s.pausing && s.paused[s.worldOfPoint(vertex)] != 0;
 }
+/// Number of bodies of the column that a body belonged to in the last step; 0: none.
+RUBBLE_HD inline int columnBefore(const SolverData& s, int body) { return s.pushed[body] >> kColumnShift; }
 /// Is the body moved by the solver? A sleeping body counts as static.
 RUBBLE_HD inline bool isDynamic(const SolverData& s, int body) {
   return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic && !isAsleep(s, body);

@@ -2,11 +2,12 @@
 /// Direct solve of columns: one more block of the same descent, whose unknowns are bodies stacked on one
 /// another.
 ///
-/// A body-by-body sweep propagates a correction by one body, aggregates move rigidly, and a tall column is
-/// compressed. The share of the error of its slowest mode that an iteration corrects falls with its height,
-/// even if all bodies are solved at once: contacts in series are soft. So contacts of a column of N bodies
-/// are N / kStiffColumn times as stiff, which makes that share independent of N, and what that stiffens is
-/// solved directly: bodies touch only their neighbors, so the Hessian is block tridiagonal.
+/// A body-by-body sweep propagates a correction by one body, and aggregates move rigidly, while a tall column
+/// is compressed and sways. Even an exact solve corrects little of the slowest mode of N bodies in an
+/// iteration, because contacts in series are soft: a share of 1 / N if it compresses them, and of 1 / N^2 if
+/// it bends them. So their stiffness is (N / kStiffColumn)^2 times that of other contacts (columnGain). What
+/// sweeps could not follow is solved directly: bodies touch their neighbors only, so the Hessian is block
+/// tridiagonal.
 ///
 /// Columns share their rows, and so the objective of the descent, with sweeps and aggregates. A contact
 /// between bodies of two columns is not coupled in this block; its Hessian counts twice (coarse.h).
@@ -98,12 +99,12 @@ struct FillColumns {
 /// Does its column move a body? Its contacts are as stiff as those of a column if it belonged to one in the
 /// last step.
 RUBBLE_HD inline bool movesInColumn(const SolverData& s, int body) {
-  return s.columnLength[body] != 0 && s.pushed[body] >> kColumnShift != 0;
+  return s.columnLength[body] != 0 && columnBefore(s, body) != 0;
 }
 
-/// visit(point, own, next, force, hessian): rank-one parts of the Hessian of a contact in a column
-template <class Visit>
-RUBBLE_HD void visitLinkRows(const SolverData& s, std::uint32_t code, Visit&& visit) {
+/// visit(own, other, force, k) for the rows of a contact: Jacobians of the body of the incidence and of the
+/// other one, force, and stiffness in the Hessian. The signs of both Jacobians are those of the former body.
+template <class Visit> RUBBLE_HD void visitLinkRows(const SolverData& s, std::uint32_t code, Visit&& visit) {
   const ContactRows& r = s.contact[constraintIndex(code)];
   const bool onA = constraintSide(code) == 0;
   for (int lane = 0; lane < kLanes; ++lane) {

@@ -185,19 +185,22 @@ inline constexpr Real kMostGive = Real(.05);
 
 /// Stiffness per unit of load [1/m]: the mass that a load corresponds to, over dt^2, per newton. A weight
 /// |lambda| corresponds to the mass |lambda| / a. An approach that stops in the step corresponds to at most
-/// kImpactMasses |lambda| dt / speed. `thin`: half the thickness of the thinner body [m].
+/// kImpactMasses |lambda| dt / speed. `thin`: half the thickness of the thinner body [m]. `gain`: columnGain,
+/// 1 without a column.
 RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real thin, Real gain) {
   const Real full = c.loadAcceleration * c.dt * c.dt,
              give = (thin > Real(0) ? min(full, kMostGive * thin) : full) / gain;
   return Real(1) / max(give, speed * c.dt / kImpactMasses);
 }
 
-/// Factor of the stiffness of a contact in a column [1].
+/// Factor of the stiffness of a contact in a column of N bodies [1]: (N / kStiffColumn)^2. N would keep the
+/// share of the slowest compression that an iteration corrects, and N^2 also keeps a column from buckling.
 RUBBLE_HD inline Real columnGain(const SolverData& s, const OrderedPair& o) {
-  int length = std::numeric_limits<int>::max();
-  for (const int body : {o.a, o.b})
-    if (isDynamic(s, body)) length = min(length, s.pushed[body] >> kColumnShift);
-  return max(Real(1), static_cast<Real>(length) / Real(kStiffColumn));
+  const auto lengthOf = [&](int body, int other) {
+    return isDynamic(s, body) ? columnBefore(s, body) : isDynamic(s, other) ? columnBefore(s, other) : 0;
+  };
+  const Real relative = static_cast<Real>(min(lengthOf(o.a, o.b), lengthOf(o.b, o.a))) / Real(kStiffColumn);
+  return max(Real(1), relative * relative);
 }
 
 /// Upper bound of |lambda| of a contact with this closing speed [N].
