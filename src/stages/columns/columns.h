@@ -113,6 +113,7 @@ template <class Visit> RUBBLE_HD void visitLinkRows(const SolverData& s, std::ui
     const Vec3 &own = onA ? f.rA : f.rB, &other = onA ? f.rB : f.rA, e = o.t.e1 * f.t1 + o.t.e2 * f.t2;
     const Real sign = onA ? Real(-1) : Real(1);
     const auto row = [&](const Vec3& axis, Real force, Real k) {
+      if (force == Real(0) && k == Real(0)) return;
       visit(longer({axis, cross(own, axis)}), longer({axis, cross(other, axis)}),
             static_cast<double>(sign * force), static_cast<double>(k));
     };
