@@ -16,6 +16,7 @@ template <Executor E> void find(E& e) {
   e.forEach(FillColumns{}, s.bodies);
 }
 
+/// One Newton step on all bodies of each column.
 template <Executor E> void solve(E& e) {
   if (!e.view().plan.jointTrees) return;
   e.forEach(AssembleColumns<typename E::Lane>{}, &Counters::columnNodes);
