@@ -1,7 +1,6 @@
 /// Tall columns at 4 iterations: how far they sink, what they bear, and that nothing holds them up.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -99,30 +98,18 @@ TEST(Column, ClosesAGapWhereACubeIsTakenOut) {
   EXPECT_NEAR(sunk(world, scene, kFew), 1, .02);
 }
 
-TEST(Column, HasNoMoreEnergyAfterACubeHasFallenOnIt) {
+TEST(Column, DoesNotThrowBackACubeOfAHundredTimesTheMass) {
+  constexpr double kHeight = 5, kRebound = .2;
   Scene scene = test::tower(kLevels);
-  BodyDef cube = test::unitCube({0, 0, kLevels + 5.5});
+  BodyDef cube = test::unitCube({0, 0, kLevels + kHeight + .5});
   cube.mass = 100;
   scene.bodies.push_back(cube);
   World world(scene, options());
-  const auto energy = [&] {
-    double sum = 0;
-    for (int i = 1; i <= kLevels + 1; ++i) {
-      const BodyState state = world.state(world.bodyAt(i));
-      sum += world.massOf(world.bodyAt(i)).mass *
-             (10 * state.position.z + dot(state.velocity, state.velocity) / 2);
-    }
-    return sum;
-  };
-  double before = energy();
-  // errors that are corrected lift bodies by less than this share per step
-  constexpr double kShare = 1e-4;
   for (int step = 0; step < kSteps; ++step) {
     world.step();
-    EXPECT_LT(energy(), before * (1 + kShare)) << step;
-    before = std::min(before, energy());
+    EXPECT_LT(world.state(world.bodyAt(kLevels + 1)).velocity.z, kRebound) << step;
   }
-  EXPECT_NEAR(sunk(world, scene, kLevels), 0, .02);
+  EXPECT_NEAR(sunk(world, scene, kLevels + 1), kHeight, .02);
 }
 
 }  // namespace
