@@ -202,6 +202,8 @@ struct Support {
 
 /// Levels of aggregates of bodies and soft nodes, finest first (stages/coarse/aggregates.h).
 inline constexpr int kCoarseLevels = 4;
+/// In place of a level: the contact neither touches nor stops an approach in this step.
+inline constexpr int kNoTouch = kCoarseLevels + 1;
 /// Number of fine levels. Odd iterations sweep these; even iterations sweep all others.
 inline constexpr int kFineLevels = 2;
 

@@ -219,7 +219,7 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<Support> support = nullptr;  ///< one per element of `contact`
   Array<RowBodies> rowBodies = nullptr;  ///< one per element of `contact`
   Array<int> joinLevel = nullptr;  ///< per element of `contact`: aggregate level that unites its bodies;
-                                   ///< kCoarseLevels: none
+                                   ///< kCoarseLevels: none; or kNoTouch
   Array<Incidence> incidence = nullptr;  ///< constraints sorted by body
 
   // vertices: authored

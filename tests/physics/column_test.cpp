@@ -62,6 +62,18 @@ TEST(Column, OfRandomCubesStands) {
   }
 }
 
+TEST(Column, StandsWhereTheLargestCellsOfAggregatesMeet) {
+  // 2^19 g dt^2 is the edge of these cells for unit cubes, and the origin lies two thirds of it inside its
+  // cell
+  const double edge = std::ldexp(10. / 3600, 19), aside = .001;
+  Scene scene = test::tower(kLevels);
+  for (int i = 1; i <= kLevels; ++i)
+    scene.bodies[std::size_t(i)].position.x = edge / 3 + (i % 2 == 0 ? aside : -aside);
+  World world(scene, options());
+  test::run(world, kSteps);
+  EXPECT_NEAR(sunk(world, scene, kLevels), 0, .02);
+}
+
 TEST(Column, StandsUnderABridgeOnThreeOfThem) {
   constexpr int kFew = 60, kColumns = 3;
   Scene scene = test::emptyScene();

@@ -17,7 +17,7 @@ namespace rubble::RUBBLE_CORE {
 
 /// Does a contact touch, or stop an approach in this step?
 RUBBLE_HD inline bool touches(const SolverData& s, std::uint32_t code) {
-  return s.joinLevel[constraintIndex(code)] < kCoarseLevels;
+  return s.joinLevel[constraintIndex(code)] != kNoTouch;
 }
 
 /// Finds the touching contacts of bodies that touch at most two others.

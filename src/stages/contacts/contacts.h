@@ -352,7 +352,7 @@ RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) {
 RUBBLE_HD inline int joinLevel(const SolverData& s, const ContactRows& r, int impact) {
   for (int k = 0; k < kLanes; ++k)
     if (holdsAt(r, k) || (impact >> k & 1)) return finestSharedLevel(s, r.a, r.b);
-  return kCoarseLevels;
+  return kNoTouch;
 }
 
 /// Rows of manifold i at x^t. Inactive points have k = 0.
