@@ -1,5 +1,7 @@
 /// Columns: equal cubes, heavy on light, cubes that double. y up and g 9.81; z up and g 10 in those from
 /// avbd-demo3d.
+#include <algorithm>
+
 #include "build.h"
 #include "families.h"
 #include "probes.h"
@@ -35,8 +37,9 @@ std::vector<Claim> towerClaims(const Arguments& arguments) {
   // Measured in avbd-demo3d with k_start = m/dt^2 at 4 iterations: 40 cubes rest 0.18 m down, 10 cubes 0.013
   // m. The error of a layer grows with the layers above it.
   const double height = whole(arguments, "levels") / 40.0;
-  return standsClaims((.18 * height * height + .002) * scaleOf(arguments).length,
-                      "no lower than in the authors' demo with k_start = m/dt^2");
+  constexpr double kMost = .02;
+  return standsClaims(std::min(.18 * height * height + .002, kMost) * scaleOf(arguments).length,
+                      "no lower than in the authors' demo with k_start = m/dt^2, and by 20 mm at most");
 }
 
 Scene buildMass(const Arguments& arguments) {
@@ -150,19 +153,14 @@ std::vector<Spec> towerSpecs() {
   drop.testArguments = {};
   drop.testSteps = 0;
 
-  Spec high = testedInFull(variant(tower, "tower-80", "A column of 80 unit cubes, 10 s.", {{"levels", 80}}));
-  high.iterations = 6;
-  Spec heavy = variant(mass, "mass-1000-on-40", "Forty cubes under one of 1,000 times their mass, 10 s.",
-                       {{"ratio", 1000}, {"levels", 40}});
-  heavy.iterations = 6;
-
   return {
       tower,
       testedInFull(variant(tower, "tower-20", "A column of 20 unit cubes, 10 s.", {{"levels", 20}})),
       testedInFull(variant(tower, "tower-40", "A column of 40 unit cubes, 10 s.", {{"levels", 40}})),
-      high,
+      testedInFull(variant(tower, "tower-80", "A column of 80 unit cubes, 10 s.", {{"levels", 80}})),
       mass,
-      heavy,
+      variant(mass, "mass-1000-on-40", "Forty cubes under one of 1,000 times their mass, 10 s.",
+              {{"ratio", 1000}, {"levels", 40}}),
       variant(mass, "mass-100", "Ten cubes under one of 100 times their mass, 10 s.", {{"ratio", 100}}),
       variant(mass, "mass-1000", "Ten cubes under one of 1,000 times their mass, 10 s.", {{"ratio", 1000}}),
       variant(mass, "mass-10000", "Ten cubes under one of 10,000 times their mass, 10 s.",

@@ -48,6 +48,8 @@ inline std::size_t elementsCounted(const SolverData& s, Per per) {
       return count(s.strandVertices);
     case Per::Incidence:
       return count(c.incidences);
+    case Per::ColumnNode:
+      return count(c.columnNodes);
     case Per::Color:
       return count(c.colors);
     case Per::Cell:
@@ -85,9 +87,9 @@ inline std::size_t elementsCounted(const SolverData& s, Per per) {
 
 /// Does a step itself count the elements of this kind?
 inline bool isCountedInSteps(Per per) {
-  constexpr Per kCounted[] = {Per::Pair,      Per::ActivePair, Per::Manifold,      Per::Rolling,
-                              Per::Aggregate, Per::Slice,      Per::Boundary,      Per::Incidence,
-                              Per::Color,     Per::PointPair,  Per::PointIncidence};
+  constexpr Per kCounted[] = {Per::Pair,      Per::ActivePair, Per::Manifold,       Per::Rolling,
+                              Per::Aggregate, Per::Slice,      Per::Boundary,       Per::Incidence,
+                              Per::Color,     Per::PointPair,  Per::PointIncidence, Per::ColumnNode};
   return std::ranges::find(kCounted, per) != std::end(kCounted);
 }
 

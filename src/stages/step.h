@@ -6,6 +6,7 @@
 #include "stages/bounces/phases.h"
 #include "stages/ccd/phases.h"
 #include "stages/coarse/phases.h"
+#include "stages/columns/phases.h"
 #include "stages/contacts/phases.h"
 #include "stages/islands/phases.h"
 #include "stages/joints/phases.h"
@@ -31,6 +32,7 @@ template <Executor E> void prepare(E& e) {
   trees::prepare(e);
   coarse::findAggregates(e);
   bodies::findIncidence(e);
+  columns::find(e);
   trees::findSoftTrees(e);
   bodies::color(e);
   soft::predict(e);
@@ -44,6 +46,7 @@ template <Executor E> void iterate(E& e, int n, bool last) {
   clusters::solve(e);
   trees::solve(e, last);
   strands::solve(e);
+  columns::solve(e);
   bodies::sweep(e);
   soft::accelerate(e, n);
   if (last) coarse::keepMomentum(e), trees::solveLast(e);

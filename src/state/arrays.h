@@ -123,6 +123,12 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::boundary, "boundary", "", Per::Boundary, Lifetime::Work);
   is(&SolverData::levelAggregate, "levelAggregate", "", Per::Level, Lifetime::Work, kCoarseLevels);
   is(&SolverData::levelSlice, "levelSlice", "", Per::Level, Lifetime::Work, kCoarseLevels);
+  is(&SolverData::columnLinks, "columnLinks", "", Per::Body, Lifetime::Work);
+  is(&SolverData::columnCount, "columnCount", "", Per::Body, Lifetime::Work);
+  is(&SolverData::columnOffset, "columnOffset", "", Per::Body, Lifetime::Work, 1);
+  is(&SolverData::columnLength, "columnLength", "", Per::Body, Lifetime::Work);
+  is(&SolverData::columnNode, "columnNode", "", Per::ColumnNode, Lifetime::Work);
+  is(&SolverData::columnWork, "columnWork", "", Per::ColumnNode, Lifetime::Work);
   is(&SolverData::nodeOfBody, "nodeOfBody", "", Per::Body, Lifetime::Derived);
   is(&SolverData::treeNode, "treeNode", "", Per::TreeNode, Lifetime::Derived);
   is(&SolverData::treeChild, "treeChild", "", Per::TreeChild, Lifetime::Derived);

@@ -64,11 +64,13 @@ struct TraitCounts {
   }
 };
 
-/// What happened to a body in the last step, as bits of SolverData::pushed.
+/// What happened to a body in the last step, as bits of SolverData::pushed. The number of bodies of its
+/// column (state/columns.h) is stored above them.
 enum LastStep : int {
   kForced = 1,   ///< a user force acted
   kStopped = 2,  ///< continuous collision detection cut its motion short
 };
+inline constexpr int kColumnShift = 2;
 
 /// Collision filter of a body (CollisionFilter), and whether it is a sensor.
 struct BodyFilter {
@@ -200,6 +202,8 @@ struct Support {
 
 /// Levels of aggregates of bodies and soft nodes, finest first (stages/coarse/aggregates.h).
 inline constexpr int kCoarseLevels = 4;
+/// In place of a level: the contact neither touches nor stops an approach in this step.
+inline constexpr int kNoTouch = kCoarseLevels + 1;
 /// Number of fine levels. Odd iterations sweep these; even iterations sweep all others.
 inline constexpr int kFineLevels = 2;
 
@@ -305,6 +309,7 @@ struct Counters {
   int bounceSpread, bounceSpreads, bounceBound, bounceBounds, bounceLeft,
       bounceRounds;  ///< restitution rounds: work left, and number of rounds
   int bouncesLeft;   ///< contacts that still close after the last restitution round
+  int columnNodes;   ///< bodies of all columns
   int freeIslands;   ///< islands that no row connects to the world or to a non-dynamic body
   int rollers;       ///< active pairs, if some material has rolling resistance
   int nearFeatures;  ///< candidate pairs of features whose swept motions may meet

@@ -32,6 +32,7 @@ enum class Per {
   Rolling,
   Bounce,
   FreeIsland,
+  ColumnNode,
   TreeNode,
   TreeChild,
   SmallTree,

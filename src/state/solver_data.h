@@ -3,6 +3,7 @@
 /// counts only; kernels take it by value.
 #include "state/array.h"
 #include "state/bodies.h"
+#include "state/columns.h"
 #include "state/joint_tables.h"
 #include "state/kinds.h"
 #include "state/trees.h"
@@ -165,6 +166,13 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<std::uint32_t> boundary = nullptr;  ///< incidence codes sorted by slice
   Array<int> levelAggregate = nullptr;      ///< [levels + 1] first aggregate of a level
   Array<int> levelSlice = nullptr;          ///< [levels + 1] first slice of a level
+  // columns
+  Array<ColumnLinks> columnLinks = nullptr;
+  Array<int> columnCount = nullptr;   ///< at one end of a column: number of its bodies
+  Array<int> columnOffset = nullptr;  ///< [bodies + 1] into columnNode
+  Array<int> columnLength = nullptr;  ///< number of bodies of the column that a body belongs to; 0: none
+  Array<ColumnNode> columnNode = nullptr;
+  Array<ColumnWork> columnWork = nullptr;
   // joint trees: derived, and work
   Array<int> nodeOfBody = nullptr;  ///< tree node of each body; -1: none
   Array<TreeNode> treeNode = nullptr;
@@ -211,7 +219,7 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<Support> support = nullptr;  ///< one per element of `contact`
   Array<RowBodies> rowBodies = nullptr;  ///< one per element of `contact`
   Array<int> joinLevel = nullptr;  ///< per element of `contact`: aggregate level that unites its bodies;
-                                   ///< kCoarseLevels: none
+                                   ///< kCoarseLevels: none; or kNoTouch
   Array<Incidence> incidence = nullptr;  ///< constraints sorted by body
 
   // vertices: authored
@@ -346,6 +354,8 @@ RUBBLE_HD inline bool isAsleep(const SolverData& s, int body) {
 RUBBLE_HD inline bool isPausedPoint(const SolverData& s, int vertex) {
   return s.pausing && s.paused[s.worldOfPoint(vertex)] != 0;
 }
+/// Number of bodies of the column that a body belonged to in the last step; 0: none.
+RUBBLE_HD inline int columnBefore(const SolverData& s, int body) { return s.pushed[body] >> kColumnShift; }
 /// Is the body moved by the solver? A sleeping body counts as static.
 RUBBLE_HD inline bool isDynamic(const SolverData& s, int body) {
   return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic && !isAsleep(s, body);

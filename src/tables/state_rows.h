@@ -125,6 +125,7 @@ inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},
                                                 {"pointIncidences", Per::PointIncidence},
                                                 {"nearFeatures", Per::NearFeature},
                                                 {"freeIslands", Per::FreeIsland},
+                                                {"columnNodes", Per::ColumnNode},
                                                 {"pathCells", Per::PathCell}};
 inline const char* kindName(Per per) {
   for (const CountedKind& kind : kCountedKinds)

@@ -244,7 +244,7 @@ void World::reserve(const std::string& kind, int count) {
   if (!withMemory("reserve", [&] { return impl_->engine->reserve(kind, count); }))
     throw Error("kind",
                 "pairs, activePairs, manifolds, rollers, bounceRows, incidences, colors, aggregates, slices, "
-                "boundary, pointPairs, pointIncidences, nearFeatures or freeIslands",
+                "boundary, pointPairs, pointIncidences, nearFeatures, freeIslands or columnNodes",
                 "\"" + kind + "\"");
 }
 

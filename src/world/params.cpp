@@ -122,7 +122,7 @@ const std::vector<RangedField>& ranges() {
              &Tuning::coarseCorrection, 0, 1),
       tuning("jointTrees", "bool",
              "bodies that hang together by joints are solved for together as well, and so are the vertices "
-             "of ropes and rods",
+             "of ropes and rods, and bodies stacked as a column",
              &Tuning::jointTrees, 0, 1),
       tuning("acceleration", "1", "rho of the Chebyshev acceleration of deformable solids; 0: none",
              &Tuning::acceleration, 0, .99),

@@ -14,6 +14,7 @@ constexpr int kAmple = 100'000;
 const std::vector<std::string> kKinds = {"pairs",      "activePairs", "manifolds", "incidences", "colors",
                                          "aggregates", "slices",      "boundary",  "freeIslands"};
 const std::vector<std::string> kGeneralKinds = {"rollers", "pointPairs", "pointIncidences", "nearFeatures"};
+const std::vector<std::string> kColumnKinds = {"columnNodes"};
 
 /// Two soft cubes, one falls on the other, and balls with rolling friction.
 Scene softAndRolling() {
@@ -44,7 +45,7 @@ class Overflow : public ::testing::TestWithParam<const char*> {
   /// A world with room for everything but `scarce`, whose tables begin with one element.
   World worldBut(const std::string& scarce, const Scene& scene = test::heap(6)) const {
     World world(scene, test::options(4, GetParam(), 2));
-    for (const std::vector<std::string>* kinds : {&kKinds, &kGeneralKinds})
+    for (const std::vector<std::string>* kinds : {&kKinds, &kGeneralKinds, &kColumnKinds})
       for (const std::string& kind : *kinds)
         if (kind != scarce && scarce != "all") world.reserve(kind, kAmple);
     return world;
@@ -67,6 +68,11 @@ TEST_P(Overflow, OfEachTableIsReportedAndChangesNoResult) { expectEachReported(t
 
 TEST_P(Overflow, OfTablesOfVerticesAndRollingBodiesIsReportedAndChangesNoResult) {
   expectEachReported(softAndRolling(), kGeneralKinds);
+}
+
+TEST_P(Overflow, OfTheTableOfColumnsIsReportedAndChangesNoResult) {
+  constexpr int kLevels = 20;
+  expectEachReported(test::tower(kLevels), kColumnKinds);
 }
 
 TEST_P(Overflow, OfAllTablesAtOnceIsReportedAndChangesNoResult) {

@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Samples, ScenesOnRanks,
                                            Sample{"rolling", 8, 2, 3}, Sample{"every-shape", 8, 3, 2},
                                            Sample{"sleepers", 40, 3, 6}, Sample{"soft-blocks", 6, 3, 2},
                                            Sample{"mixed-trampoline", 6, 4, 2}, Sample{"jenga", 4, 3, 0},
-                                           Sample{"silo", 26, 2, 0}),
+                                           Sample{"silo", 26, 2, 0}, Sample{"tower-40", 12, 3, 2}),
                          [](const auto& info) {
                            std::string name = info.param.scene;
                            std::erase_if(name, [](unsigned char c) { return !std::isalnum(c); });

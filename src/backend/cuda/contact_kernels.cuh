@@ -143,7 +143,7 @@ struct BuildRowsOfPoint {
     const bool holds = (tile.ballot(holdsAt(own, 0)) | impact) != 0;
     if (k != 0) return;
     s.rowBodies[row] = {own.a, own.b, i};
-    s.joinLevel[row] = holds ? finestSharedLevel(s, own.a, own.b) : kCoarseLevels;
+    s.joinLevel[row] = holds ? finestSharedLevel(s, own.a, own.b) : kNoTouch;
     s.manifold[i].row = row;
     s.manifold[i].impact = static_cast<std::uint8_t>(impact);
   }

@@ -145,7 +145,7 @@ void RankDivision::shareRows() {
     s.rowBodies[s.rowOffset[i]] = {o.a, o.b, i};
     if (pairNear_[std::size_t(s.activePair[i])]) ownRows_.push_back(s.rowOffset[i]);
   }
-  static_assert(kCoarseLevels < 16);
+  static_assert(kNoTouch < 16);
   courier_.gatherSmall<4>(s.joinLevel, s.counters->manifolds, [&](int row) { return ownerOfRow(row); });
   if (!s.bounces) return;
   for (const int bounces : courier_.gatherValue(s.counters->bounces))

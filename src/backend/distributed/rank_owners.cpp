@@ -122,7 +122,11 @@ void RankDivision::findOwners() {
   home_.resize(bodies);
   owner_ = home_;
   moves_.resize(bodies);
-  for (std::size_t i = 0; i < bodies; ++i) moves_[i] = s.params[i].kind == BodyKind::Dynamic;
+  for (std::size_t i = 0; i < bodies; ++i) {
+    moves_[i] = s.params[i].kind == BodyKind::Dynamic;
+    // columns are solved by every rank
+    if (columnBefore(s, static_cast<int>(i)) != 0) owner_[i] = kEveryRank;
+  }
   shareDeformables();
   unifyTrees();
 }

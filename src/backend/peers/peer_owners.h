@@ -64,7 +64,8 @@ struct FindHomes {
     for (int k = 0; k < p.ranks; ++k) p.sightOf(k, i) = 0;
     int r = 0;
     while (r + 1 < p.ranks && p.cut->begin[r + 1] <= i) ++r;
-    p.owner[i] = r;
+    // columns are solved by every rank
+    p.owner[i] = columnBefore(s, i) != 0 ? kEveryPeer : r;
     p.moves[i] = s.params[i].kind == BodyKind::Dynamic;
   }
 };

@@ -41,8 +41,8 @@ template <class M> void beginStep(M& m) {
   if (s.vertices > 0) {
     m.each(ShareAttachedBodies{p}, s.attachments);
     m.each(ShareTouchedBodies{p}, &Counters::pointPairs);
-    m.each(ShareTrees{p}, s.treeNodes);
   }
+  m.each(ShareTrees{p}, s.treeNodes);
   m.each(UnifyTrees{p}, s.treeNodes);
   m.each(KnowBodies{p}, 1);
   m.each(CompareOwners{p}, s.bodies);

@@ -73,7 +73,7 @@ struct PredictBodies {
     const Vec3 known = newPush ? gravity : gravity + push;
     Vec3 guess = followedShare(v, s.previousVelocity[i], known, c.dt) * known;
     if (newPush) guess += push;
-    s.pushed[i] = (s.pushed[i] & kStopped) | (s.force[i] != Vec3{0, 0, 0} ? kForced : 0);
+    s.pushed[i] = (s.pushed[i] & ~kForced) | (s.force[i] != Vec3{0, 0, 0} ? kForced : 0);
     // Contacts may also hold a torque, and a guess that lifts a body off its contact points loses their load.
     const bool twisted = torque != Vec3{0, 0, 0} && !s.plan.literalRotations;
     const Quat turned = twisted ? expRotation(c.dt * unlocked(w, extras.locks >> 3)) : target.y.q;
@@ -373,7 +373,8 @@ struct FinishBodies {
     }
     if (end.limited) atomicCount(&s.counters->spinLimited, 1);
     s.previousVelocity[i] = s.velocity[i];
-    s.pushed[i] = (s.pushed[i] & kForced) | (s.ccdShareBits[i] != 0 ? kStopped : 0);
+    const int column = s.plan.jointTrees ? s.columnLength[i] << kColumnShift : 0;
+    s.pushed[i] = (s.pushed[i] & kForced) | (s.ccdShareBits[i] != 0 ? kStopped : 0) | column;
     s.velocity[i] = end.v;
     s.angularVelocity[i] = end.w;
     s.correction[i] = s.nextCorrection[i];

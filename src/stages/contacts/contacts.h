@@ -185,10 +185,22 @@ inline constexpr Real kMostGive = Real(.05);
 
 /// Stiffness per unit of load [1/m]: the mass that a load corresponds to, over dt^2, per newton. A weight
 /// |lambda| corresponds to the mass |lambda| / a. An approach that stops in the step corresponds to at most
-/// kImpactMasses |lambda| dt / speed. `thin`: half the thickness of the thinner body [m].
-RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real thin) {
-  const Real give = c.loadAcceleration * c.dt * c.dt;
-  return Real(1) / max(thin > Real(0) ? min(give, kMostGive * thin) : give, speed * c.dt / kImpactMasses);
+/// kImpactMasses |lambda| dt / speed. `thin`: half the thickness of the thinner body [m]. `gain`: columnGain,
+/// 1 without a column.
+RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real thin, Real gain) {
+  const Real full = c.loadAcceleration * c.dt * c.dt,
+             give = (thin > Real(0) ? min(full, kMostGive * thin) : full) / gain;
+  return Real(1) / max(give, speed * c.dt / kImpactMasses);
+}
+
+/// Factor of the stiffness of a contact in a column of N bodies [1]: (N / kStiffColumn)^2. N would keep the
+/// share of the slowest compression that an iteration corrects, and N^2 also keeps a column from buckling.
+RUBBLE_HD inline Real columnGain(const SolverData& s, const OrderedPair& o) {
+  const auto lengthOf = [&](int body, int other) {
+    return isDynamic(s, body) ? columnBefore(s, body) : isDynamic(s, other) ? columnBefore(s, other) : 0;
+  };
+  const Real relative = static_cast<Real>(min(lengthOf(o.a, o.b), lengthOf(o.b, o.a))) / Real(kStiffColumn);
+  return max(Real(1), relative * relative);
 }
 
 /// Upper bound of |lambda| of a contact with this closing speed [N].
@@ -235,7 +247,7 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, const PairPlace&
   const ShapeTables tables = s.shapeTables();
   const Real thin = thinner(innerRadiusOf(tables, pa.shape), innerRadiusOf(tables, pb.shape));
   const Real speed = max(fastest, impactSpeedBoundOf(s, o.a, o.b));
-  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, speed, thin);
+  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, speed, thin, columnGain(s, o));
   p.tangent = tangentRule(c, p.normal);
   return p;
 }
@@ -340,7 +352,7 @@ RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) {
 RUBBLE_HD inline int joinLevel(const SolverData& s, const ContactRows& r, int impact) {
   for (int k = 0; k < kLanes; ++k)
     if (holdsAt(r, k) || (impact >> k & 1)) return finestSharedLevel(s, r.a, r.b);
-  return kCoarseLevels;
+  return kNoTouch;
 }
 
 /// Rows of manifold i at x^t. Inactive points have k = 0.
