@@ -1,6 +1,7 @@
 /// One joint of all degrees of freedom of a link. Slides and hinges of one body become a six_dof joint: with
-/// R = R_z(q1) R_x(q2) the swing about z is q1 and the twist about x is q2, so two orthogonal hinges that meet
-/// are exact. Two others, and three, are a gimbal (forces/gimbal.h). That of two has its middle angle locked.
+/// R = R_z(q1) R_x(q2) the swing about z is q1 and the twist about x is q2, so two orthogonal hinges that
+/// meet are exact. Two others, and three, are a gimbal (forces/gimbal.h). That of two has its middle angle
+/// locked.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -129,9 +130,8 @@ class SixDof {
     std::vector<Vec3> wishes;
     for (const Dof* slide : slides_) wishes.push_back(slide->axis);
     wishes.insert(wishes.end(), {{0, 0, 1}, {1, 0, 0}});
-    const Vec3 wish = *std::find_if(wishes.begin(), wishes.end(), [&](const Vec3& each) {
-      return length(cross(each, x)) > kAligned;
-    });
+    const Vec3 wish = *std::find_if(wishes.begin(), wishes.end(),
+                                    [&](const Vec3& each) { return length(cross(each, x)) > kAligned; });
     const Vec3 z = normalize(wish - dot(wish, x) * x);
     frameA = frameB = quatOfAxes(x, cross(z, x), z);
   }
@@ -228,9 +228,10 @@ class SixDof {
     const bool isBounded = own.min >= -kMostOfGimbal && own.max <= kMostOfGimbal;
     // angles that nothing acts on may be any
     const bool isPlain = meet && std::all_of(turns_.begin(), turns_.end(), [](const Dof* dof) {
-      return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) &&
-             !(dof->friction > 0) && !(dof->damping > 0) && !(dof->armature > 0) && dof->motorForce == 0;
-    });
+                           return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) &&
+                                  !(dof->friction > 0) && !(dof->damping > 0) && !(dof->armature > 0) &&
+                                  dof->motorForce == 0;
+                         });
     if (!isBounded && !isPlain)
       note(Effect::Approximate, "the second of three hinges turns by less than 90 degrees");
   }
@@ -350,7 +351,8 @@ TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
     joint.orientationAtoB = inParentBody.q;
   }
   joint.anchorA = anchor, joint.frameA = frame;
-  joint.anchorB = inParentBody * parentAnchor, joint.frameB = frameB.value_or(normalize(inParentBody.q * frame));
+  joint.anchorB = inParentBody * parentAnchor,
+  joint.frameB = frameB.value_or(normalize(inParentBody.q * frame));
   if (swapped) std::swap(joint.anchorA, joint.anchorB), std::swap(joint.frameA, joint.frameB);
   return {std::move(joint), !swapped, std::move(axes)};
 }

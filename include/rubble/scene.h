@@ -267,7 +267,7 @@ struct TendonFields {
   /// is inside. At most one for each segment and four in all, and at most twelve points.
   std::vector<double> wraps;
   /// Two numbers for each term, tiltB and tiltA of the gimbal that an angle is of [rad]. Empty: zeros.
-  std::vector<double> tilts;
+  std::vector<double> tilts = {};
 };
 
 /// JointDef::own of a joint of type "gimbal": how its three axes lie in one another. Without it they are

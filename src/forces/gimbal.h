@@ -16,7 +16,7 @@ namespace rubble {
 
 /// Sines and cosines of the tilts b and a.
 template <class R> struct GimbalTilts {
-  R sinB = 0, cosB = 1, sinA = 0, cosA = 1;
+  R sinB, cosB, sinA, cosA;
 
   /// In another precision.
   template <class S> explicit operator GimbalTilts<S>() const { return {S(sinB), S(cosB), S(sinA), S(cosA)}; }

@@ -364,10 +364,9 @@ struct TendonKind {
       term.base = normalize(conjugate(frame.orientation) * body.orientation * term.frame);
       term.begin = rotateInverse(frame.orientation, body.point(term.anchor) - frame.position);
       if (term.kind >= 2) {
-        if (!own.tilts.empty()) {
-          const double* const tilts = &own.tilts[i / kTermNumbers * 2];
-          term.tilts = GimbalTilts<double>::of(tilts[0], tilts[1]);
-        }
+        const std::size_t at = i / kTermNumbers * 2;
+        const auto tilt = [&](std::size_t k) { return own.tilts.empty() ? 0 : own.tilts[at + k]; };
+        term.tilts = GimbalTilts<double>::of(tilt(0), tilt(1));
         term.frame = normalize(conjugate(body.axes) * fromRotationVector({n[3], n[4], n[5]}));
         term.base = normalize(conjugate(frame.axes) * fromRotationVector({n[6], n[7], n[8]}));
         const rubble::Quat turn = conjugate(frame.orientation * term.base) * body.orientation * term.frame;

@@ -17,10 +17,12 @@ struct HingeRow {
   Real angle[3];  ///< of the third, the second and the first hinge
 
   explicit HingeRow(Random& random)
-      : tiltB(random.uniform(-1, 1)), tiltA(random.uniform(-1, 1)), offsetB(random.vector()),
+      : tiltB(random.uniform(-1, 1)),
+        tiltA(random.uniform(-1, 1)),
+        offsetB(random.vector()),
         offsetA(random.vector()) {
     for (Real& each : angle) each = random.uniform(-3, 3);
-    angle[1] = random.uniform(-1.5, 1.5);
+    angle[1] = random.uniform(-1.5, 1.5);  // within 90 degrees
   }
   GimbalJoint::Data data() const {
     return {{{0, 0, 0}, {0, 0, 0}, Quat{}, Quat{}}, offsetB, offsetA, GimbalTilts<Real>::of(tiltB, tiltA)};
@@ -42,8 +44,8 @@ struct HingeRow {
 };
 
 /// C of part P.
-template <class P> Real valueOf(const GimbalJoint::Data& data, const GimbalJoint::Memory& memory,
-                                const Pose& a) {
+template <class P>
+Real valueOf(const GimbalJoint::Data& data, const GimbalJoint::Memory& memory, const Pose& a) {
   Real c[1];
   P::constraint(data, memory, a, Pose{{0, 0, 0}, Quat{}}, c);
   return c[0];
@@ -94,8 +96,8 @@ TEST(GimbalJoint, CountsItsOuterAnglesOverWholeTurns) {
   for (Real turn = 0; turn < 20; turn += .8) {
     row.angle[0] = turn, row.angle[2] = -turn;
     memory.remember(data, row.pose(), Pose{{0, 0, 0}, Quat{}}, {});
-    EXPECT_NEAR(valueOf<GimbalAngle<0>>(data, memory, row.pose()) + GimbalAngle<0>::turns(data, memory),
-                turn, 1e-9);
+    EXPECT_NEAR(valueOf<GimbalAngle<0>>(data, memory, row.pose()) + GimbalAngle<0>::turns(data, memory), turn,
+                1e-9);
     EXPECT_NEAR(valueOf<GimbalAngle<2>>(data, memory, row.pose()) + GimbalAngle<2>::turns(data, memory),
                 -turn, 1e-9);
   }
