@@ -36,7 +36,7 @@ class Mechanisms:
 
 
 class Mechanism:
-    """Adds bodies with two or three hinges, and at times a slide before them, in chains."""
+    """Adds bodies with two or three hinges, and at times a slide before or after them, in chains."""
 
     def __init__(self, all_of_them, seed):
         self.all, self.random, self.seed = all_of_them, random.Random(seed), seed
@@ -53,25 +53,30 @@ class Mechanism:
     def axes(self, count):
         """Directions that are far from one plane, or from one line."""
         while True:
-            axes = [self.direction() for _ in range(count)]
+            axes = [self.direction() for _ in range(max(count, 2))]
             normal = cross(axes[0], axes[1])
             if math.sqrt(dot(normal, normal)) > 0.6 and (count < 3 or abs(dot(normal, axes[2])) > 0.6):
-                return axes
+                return axes[:count]
 
     def body(self, name, place, inner="", slides=False, hinges=0):
         """A body at `place`, and the names of its joints. Springs keep the second of three hinges from 90
         degrees."""
         count, joints = hinges or self.random.choice((2, 3)), []
         axes = self.axes(count)
-        body = f'<body name="{name}" pos="{text(place)}">'
-        if slides:  # along the first hinge, or across it
-            along = self.random.choice((axes[0], cross(axes[0], axes[1]) if count == 3 else axes[0]))
-            joints.append(f"{name}_s")
-            body += (f'<joint name="{joints[-1]}" type="slide" axis="{text(along)}" damping="3" '
-                     f'stiffness="{self.random.uniform(200, 400):.4g}"/>')
-            self.all.qpos.append(self.random.uniform(-0.03, 0.03))
-        for k, axis in enumerate(axes):
-            joints.append(f"{name}_{k}")
+        body, kinds = f'<body name="{name}" pos="{text(place)}">', [str(k) for k in range(count)]
+        after = slides and count > 1 and self.random.random() < 0.5
+        if slides:
+            kinds.insert(count if after else 0, "s")
+        for kind in kinds:
+            joints.append(f"{name}_{kind}")
+            if kind == "s":  # along the hinge beside it, or across that and the next one
+                first, second = (axes[::-1] if after else axes + [self.direction()])[:2]
+                along = self.random.choice((first, cross(first, second)))
+                body += (f'<joint name="{joints[-1]}" type="slide" axis="{text(along)}" damping="3" '
+                         f'stiffness="{self.random.uniform(200, 400):.4g}"/>')
+                self.all.qpos.append(self.random.uniform(-0.03, 0.03))
+                continue
+            k, axis = int(kind), axes[int(kind)]
             stiffness = self.random.uniform(8, 14) if k == 1 and count == 3 else self.random.uniform(2, 6)
             armature = self.random.choice((0, 0, 0.01))
             body += (f'<joint name="{joints[-1]}" axis="{text(axis)}" pos="{text(self.vector(0.15))}" '
@@ -115,7 +120,8 @@ def couplings(seeds):
         own, joints, at = Mechanism(out, seed), [], []
         for k in range(2):
             at.append(len(out.qpos))
-            text_of, names = own.body(f"{'ab'[k]}{seed}", [2.0 * seed, k, 0], slides=(seed + k) % 3 == 0)
+            slides = (seed + k) % 3 == 0  # with one hinge: travel beside hinges that do not meet is approximate
+            text_of, names = own.body(f"{'ab'[k]}{seed}", [2.0 * seed, k, 0], "", slides, int(slides))
             out.parts["bodies"] += text_of
             joints.append(names)
         first, second = (own.random.randrange(len(names)) for names in joints)
