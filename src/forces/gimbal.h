@@ -19,7 +19,7 @@ template <class R> struct GimbalTilts {
   R sinB, cosB, sinA, cosA;
 
   /// In another precision.
-  template <class S> explicit operator GimbalTilts<S>() const { return {S(sinB), S(cosB), S(sinA), S(cosA)}; }
+  template <class S> GimbalTilts<S> as() const { return {S(sinB), S(cosB), S(sinA), S(cosA)}; }
   static GimbalTilts of(double b, double a) {
     return {R(portable::sin(b)), R(portable::cos(b)), R(portable::sin(a)), R(portable::cos(a))};
   }

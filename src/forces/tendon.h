@@ -283,7 +283,7 @@ struct TendonJoint {
                        t.kind,
                        t.body,
                        t.frameBody,
-                       GimbalTilts<Real>(t.tilts)};
+                       t.tilts.as<Real>()};
       }
       return out;
     }
@@ -370,7 +370,7 @@ struct TendonKind {
         term.frame = normalize(conjugate(body.axes) * fromRotationVector({n[3], n[4], n[5]}));
         term.base = normalize(conjugate(frame.axes) * fromRotationVector({n[6], n[7], n[8]}));
         const rubble::Quat turn = conjugate(frame.orientation * term.base) * body.orientation * term.frame;
-        const CardanAngles angles(shortArc(Quat(turn)), GimbalTilts<Real>(term.tilts));
+        const CardanAngles angles(shortArc(Quat(turn)), term.tilts.as<Real>());
         term.begin = {double(angles.angle(term.kind - 2)), 0, 0};
       }
       if (b.before && out.terms <= before.terms)
