@@ -81,7 +81,7 @@ class CardanAngles {
   /// In the axes that `frame` leads to from those of B.
   RUBBLE_HD CardanDerivatives derivatives(const Quat& frame) const {
     // floor of cos q_1: the outer two angles are undefined where q_1 is 90 degrees
-    constexpr Real kFloor = Real(.05);
+    constexpr Real kFloor = Real(0.05);
     CardanDerivatives out;
     out.volume = max(volume_, kFloor * tilts_.cosB * tilts_.cosA);
     for (int k = 0; k < 3; ++k)
@@ -149,12 +149,14 @@ template <int I> struct GimbalTravel {
   template <class D, class M>
   RUBBLE_HD static void constraint(const D& d, const M& m, const Pose& a, const Pose& b, Real (&c)[kRows]) {
     TravelAxis<I>::constraint(d, m, a, b, c);
+    if (d.meet != 0) return;
     c[0] -= GimbalOffset(d, cardanOf(d, a, b)).o[I];
   }
   template <class D, class M>
   RUBBLE_HD static void jacobian(const D& d, const M& m, const Pose& a, const Pose& b, int side,
                                  Vec6 (&j)[kRows]) {
     TravelAxis<I>::jacobian(d, m, a, b, side, j);
+    if (d.meet != 0) return;
     const CardanAngles q = cardanOf(d, a, b);
     const GimbalOffset offset(d, q);
     const CardanDerivatives to = q.derivatives(frameOfB(d, b));
@@ -162,8 +164,9 @@ template <int I> struct GimbalTravel {
     j[0].ang += side == 0 ? -change : change;
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side,
+  RUBBLE_HD static Vec6 curvature(const D& d, const M& m, const Pose& a, const Pose& b, int side,
                                   const Real (&f)[kRows]) {
+    if (d.meet != 0) return TravelAxis<I>::curvature(d, m, a, b, side, f);
     const CardanAngles q = cardanOf(d, a, b);
     const GimbalOffset offset(d, q);
     const CardanDerivatives to = q.derivatives(frameOfB(d, b));
@@ -228,10 +231,12 @@ struct GimbalJoint {
   struct Data : FramedData {
     Vec3 offsetB, offsetA;  ///< d_B and d_A, in the frame of B where all angles are 0 [m]
     GimbalTilts<Real> tilts;
+    int meet;  ///< 0, 1: d_B and d_A are zero, and travel is as in other joints
     static Data of(const EngineJoint& j) {
       const auto own = j.constants.get<Constants>();
       return {FramedData::of(j), Vec3(own.offsetB), Vec3(own.offsetA),
-              GimbalTilts<Real>::of(own.tiltB, own.tiltA)};
+              GimbalTilts<Real>::of(own.tiltB, own.tiltA),
+              own.offsetB == rubble::Vec3{} && own.offsetA == rubble::Vec3{}};
     }
   };
   struct Memory {

@@ -25,7 +25,7 @@ struct HingeRow {
     angle[1] = random.uniform(-1.5, 1.5);  // within 90 degrees
   }
   GimbalJoint::Data data() const {
-    return {{{0, 0, 0}, {0, 0, 0}, Quat{}, Quat{}}, offsetB, offsetA, GimbalTilts<Real>::of(tiltB, tiltA)};
+    return {{{0, 0, 0}, {0, 0, 0}, Quat{}, Quat{}}, offsetB, offsetA, GimbalTilts<Real>::of(tiltB, tiltA), 0};
   }
   /// Of A in the frame of B, moved from the inner hinge to the outer one, as MuJoCo does.
   Pose pose() const {
@@ -93,7 +93,7 @@ TEST(GimbalJoint, CountsItsOuterAnglesOverWholeTurns) {
   HingeRow row(random);
   const GimbalJoint::Data data = row.data();
   GimbalJoint::Memory memory{};
-  for (Real turn = 0; turn < 20; turn += .8) {
+  for (Real turn = 0; turn < 20; turn += 0.8) {
     row.angle[0] = turn, row.angle[2] = -turn;
     memory.remember(data, row.pose(), Pose{{0, 0, 0}, Quat{}}, {});
     EXPECT_NEAR(valueOf<GimbalAngle<0>>(data, memory, row.pose()) + GimbalAngle<0>::turns(data, memory), turn,

@@ -28,12 +28,12 @@ inline Quat frameNear(test::Random& random, const Quat& base, const Quat& body) 
 }
 
 inline GimbalTilts<Real> randomTilts(test::Random& random) {
-  return GimbalTilts<Real>::of(random.uniform(-.7, .7), random.uniform(-.7, .7));
+  return GimbalTilts<Real>::of(random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7));
 }
 /// Are the axes of the angles of e far from one plane?
 inline bool isRegular(const Quat& e, const GimbalTilts<Real>& tilts) {
   const CardanAngles q(shortArc(e), tilts);
-  return dot(q.axis(0), cross(q.axis(1), q.axis(2))) > .4;
+  return dot(q.axis(0), cross(q.axis(1), q.axis(2))) > 0.4;
 }
 
 /// Anywhere, with large errors.
@@ -53,7 +53,8 @@ template <class F> JointCase<F> randomJointCase(test::Random& random) {
     while (std::fabs(rotate(conjugate(x.b.q * d.frameB) * x.a.q * d.frameA, Vec3{1, 0, 0}).x) > .95);
   }
   if constexpr (requires { d.tilts; }) {
-    d.offsetB = random.vector(), d.offsetA = random.vector();
+    d.meet = random.uniform(0, 1) < 0.3;
+    if (d.meet == 0) d.offsetB = random.vector(), d.offsetA = random.vector();
     d.tilts = randomTilts(random);
     // not with two axes parallel, where a turn is about both
     while (!isRegular(conjugate(x.b.q * d.frameB) * x.a.q * d.frameA, d.tilts))
