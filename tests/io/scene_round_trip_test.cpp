@@ -272,7 +272,7 @@ TEST(SceneRoundTrip, EverythingIsExact) {
   tendon.axes[0].armature = .1, tendon.axes[0].damping = .2, tendon.axes[0].motorForce = -3;
   JointDef hip;
   hip.type = jointType("gimbal");
-  hip.bodyA = 2;
+  hip.bodyA = 1, hip.bodyB = 2;
   hip.own = GimbalFields{{.1, 0, 1. / 3}, {0, -.2, 0}, .4, -.3};
   scene.joints = {ball, fixed, six, pulley, shoulder, gear, tendon, hip};
   BodyDef ball2;
