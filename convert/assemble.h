@@ -77,8 +77,8 @@ std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const
                                  const Tendon& tendon, double& zero, Report& report);
 std::optional<JointDef> cam(const Model& model, const Layout& layout, const Scene& scene,
                             const Coupling& coupling, Report& report);
-/// Has the joint of the link the coordinate as an axis?
-bool isReadable(const Model& model, const Layout& layout, const std::pair<int, int>& dof);
+/// Has the joint of the link the coordinate as an axis that a tendon can read?
+bool isReadable(const Model& model, const Layout& layout, const Scene& scene, const std::pair<int, int>& dof);
 /// One joint of all degrees of freedom of a link (assemble_dofs.cpp).
 TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report);
 

@@ -1,10 +1,11 @@
 /// One joint of all degrees of freedom of a link. Slides and hinges of one body become a six_dof joint: with
-/// R = R_z(q1) R_x(q2) the swing about z is q1 and the twist about x is q2, so two orthogonal hinges are
-/// exact. Two others, or three with the second one orthogonal to both, are a gimbal with
-/// R = R_z(q1) R_y(q2 + c) R_x(q3): c is the angle by which the first and the third are not orthogonal.
+/// R = R_z(q1) R_x(q2) the swing about z is q1 and the twist about x is q2, so two orthogonal hinges that
+/// meet are exact. Two others, and three, are a gimbal (forces/gimbal.h). That of two has its middle angle
+/// locked.
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "convert/assemble.h"
 #include "convert/rotations.h"
@@ -94,8 +95,6 @@ class SixDof {
     else
       addHinges();
     addSlides();
-    anchor = commonAnchor();
-    frameA = quatOfAxes(x_, y_, z_), frameB = quatOfAxes(cross(y_, outer_), y_, outer_);
     return joint_;
   }
 
@@ -109,8 +108,8 @@ class SixDof {
   }
 
   bool swapped = false;
-  Vec3 anchor;          ///< in the frame of the link [m]
-  Quat frameA, frameB;  ///< of the joint on A and B -> link, in the pose of the file
+  Vec3 anchorA, anchorB;  ///< in the frame of the link, in the pose of the file [m]
+  Quat frameA, frameB;    ///< of the joint on A and B -> link, likewise
 
  private:
   bool isOrdered(DofType first, bool isFirst) const {
@@ -126,17 +125,15 @@ class SixDof {
     report_.note(effect, link_.dofs.front().place, "joints of body" + inQuotes(link_.name), why);
   }
 
-  /// z from a wish, orthogonal to x; false if it is parallel.
-  bool chooseZ(const Vec3& wish) {
-    const Vec3 across = wish - dot(wish, x_) * x_;
-    if (length(across) < kAligned) return false;
-    outer_ = z_ = normalize(across), y_ = cross(z_, x_);
-    return true;
-  }
-  void chooseAnyZ() {
-    for (const Dof* slide : slides_)
-      if (std::fabs(dot(slide->axis, x_)) < 1 - kAligned && chooseZ(slide->axis)) return;
-    if (!chooseZ({0, 0, 1})) chooseZ({1, 0, 0});
+  /// Equal frames on A and B with this x axis, and z along the first slide that is not along it.
+  void chooseFrame(const Vec3& x) {
+    std::vector<Vec3> wishes;
+    for (const Dof* slide : slides_) wishes.push_back(slide->axis);
+    wishes.insert(wishes.end(), {{0, 0, 1}, {1, 0, 0}});
+    const Vec3 wish = *std::find_if(wishes.begin(), wishes.end(),
+                                    [&](const Vec3& each) { return length(cross(each, x)) > kAligned; });
+    const Vec3 z = normalize(wish - dot(wish, x) * x);
+    frameA = frameB = quatOfAxes(x, cross(z, x), z);
   }
 
   void setAxis(int axis, const Dof& dof, double sign, double shift = 0) {
@@ -145,9 +142,9 @@ class SixDof {
   }
 
   void addBall() {
-    x_ = {1, 0, 0}, y_ = {0, 1, 0}, outer_ = z_ = {0, 0, 1};
     for (std::size_t i = 3; i < 6; ++i) joint_.axes[i] = {};
     const Dof& dof = *turns_.front();
+    anchorA = anchorB = dof.anchor;
     if (turns_.size() > 1) note(Effect::Lost, "hinges beside a ball joint add no freedom and are left out");
     if (dof.range || dof.drive.stiffness > 0 || dof.damping > 0 || dof.friction > 0)
       report_.note(Effect::Lost, dof.place, "joint" + inQuotes(dof.name),
@@ -159,64 +156,93 @@ class SixDof {
       note(Effect::Lost, "a body turns about at most three axes; the others are left out");
       turns_.resize(3);
     }
-    const std::size_t count = turns_.size();
-    if (count == 0) {
-      x_ = slides_.front()->axis;
-      chooseAnyZ();
-      return;
-    }
-    x_ = turns_.back()->axis;
-    setAxis(3, *turns_.back(), sign_);
-    if (count == 1) {
-      chooseAnyZ();
-      return;
-    }
-    const Dof& outer = *turns_.front();
-    if (!chooseZ(outer.axis)) {
-      note(Effect::Lost, "two hinges about one axis are one");
-      chooseAnyZ();
-      return;
+    if (turns_.empty()) return chooseFrame(slides_.front()->axis);
+    dropRepeated();
+    const Dof &outer = *turns_.front(), &inner = *turns_.back();
+    setAxis(3, inner, sign_);
+    if (turns_.size() == 1) {
+      anchorA = anchorB = inner.anchor;
+      return chooseFrame(inner.axis);
     }
     setAxis(5, outer, sign_);
-    const double skew = -std::asin(std::clamp(dot(outer.axis, x_), -1., 1.));
-    const bool isSkew = std::fabs(skew) > kAligned;
-    if (count == 2) {
-      if (isSkew) makeGimbal(skew);
-      joint_.axes[4].min = joint_.axes[4].max = isSkew ? skew : 0;
-      return;
-    }
-    const Dof& middle = *turns_[1];
-    const double along = dot(middle.axis, y_);
-    setAxis(4, middle, along < 0 ? -sign_ : sign_, skew);
-    const JointAxis& axis = joint_.axes[4];
-    const bool isOrthogonal = std::fabs(along) > 1 - kAligned && std::fabs(skew) < kMostOfGimbal,
-               isBounded = axis.min >= -kMostOfGimbal && axis.max <= kMostOfGimbal;
-    // only a turn that nothing acts on needs no angles
-    const bool isPlain = std::all_of(turns_.begin(), turns_.end(), [](const Dof* dof) {
-      return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) &&
-             !(dof->friction > 0) && !(dof->damping > 0) && !(dof->armature > 0) && dof->motorForce == 0;
-    });
-    if (isOrthogonal && !(isPlain && !isSkew)) {
-      makeGimbal(skew);
-      if (!isBounded) note(Effect::Approximate, "the second of three hinges turns by less than 90 degrees");
-      return;
-    }
-    setAxis(4, middle, along < 0 ? -sign_ : sign_);
-    if (isOrthogonal || isPlain) return;
-    note(Effect::Approximate,
-         "axes of three hinges are made orthogonal, and limits, drives and friction act on "
-         "swing and twist");
+    if (turns_.size() == 2)
+      addTwo(outer, inner);
+    else
+      addThree(outer, *turns_[1], inner);
+  }
+  /// Of hinges about one axis leaves one.
+  void dropRepeated() {
+    const auto isOne = [&](std::size_t i, std::size_t j, double least) {
+      return j < turns_.size() && length(cross(turns_[i]->axis, turns_[j]->axis)) < least;
+    };
+    const double nearly = turns_.size() == 3 ? std::cos(kMostOfGimbal) : kAligned;
+    const std::size_t count = turns_.size();
+    if (isOne(0, 2, kAligned) || isOne(1, 2, nearly)) turns_.erase(turns_.begin() + 1);
+    if (isOne(0, 1, nearly)) turns_.erase(turns_.begin());
+    if (turns_.size() < count) note(Effect::Lost, "hinges of a body about one axis are one");
   }
 
-  void makeGimbal(double skew) {
-    joint_.type = jointType("gimbal");
-    outer_ = turns_.front()->axis;
-    if (std::fabs(skew) > kMostOfGimbal)
+  /// `middle`: axis of q_1, so that this angle is within 90 degrees in the pose of the file. Returns it.
+  double setFrames(const Vec3& outer, const Vec3& middle, const Vec3& inner) {
+    const Vec3 onB = normalize(middle - dot(middle, outer) * outer), x = cross(onB, outer),
+               onA = normalize(middle - dot(middle, inner) * inner);
+    frameB = quatOfAxes(x, onB, outer), frameA = quatOfAxes(inner, onA, cross(inner, onA));
+    return std::atan2(-dot(inner, cross(x, middle)), dot(inner, x));
+  }
+
+  void addTwo(const Dof& outer, const Dof& inner) {
+    const double angle = setFrames(outer.axis, normalize(cross(outer.axis, inner.axis)), inner.axis);
+    const bool isSkew = std::fabs(angle) > kAligned;
+    if (isSkew) joint_.axes[4].min = joint_.axes[4].max = angle;
+    if (std::fabs(angle) > kMostOfGimbal)
       note(Effect::Approximate, "two hinges about nearly the same axis are almost one");
+    GimbalFields fields;
+    const bool meet = haveCommonAnchor();
+    if (!meet) {
+      std::tie(anchorB, anchorA) = nearest(outer, inner);
+      fields.offsetB = rotateInverse(frameB, anchorA - anchorB);
+    }
+    if (isSkew || !meet) makeGimbal(fields);
+  }
+
+  void addThree(const Dof& outer, const Dof& middle, const Dof& inner) {
+    const double volume = dot(middle.axis, cross(outer.axis, inner.axis)), direction = volume < 0 ? -1 : 1;
+    const Vec3 axis = direction * middle.axis;
+    const double angle = setFrames(outer.axis, axis, inner.axis);
+    setAxis(4, middle, direction * sign_, angle);
+    GimbalFields fields;
+    const auto tilt = [&](const Vec3& other) {
+      const double along = dot(axis, other);
+      return std::fabs(along) > kAligned ? std::asin(along) : 0;
+    };
+    fields.tiltB = tilt(outer.axis), fields.tiltA = tilt(inner.axis);
+    const bool meet = haveCommonAnchor();
+    if (!meet) {
+      const auto [first, second] = nearest(outer, middle);
+      anchorB = first, anchorA = nearest(middle, inner).second;
+      fields.offsetB = rotateInverse(frameB, second - anchorB);
+      fields.offsetA = rotateInverse(frameB, rotateInverse(fromAxisAngle(axis, angle), anchorA - second));
+    }
+    makeGimbal(fields);
+    const JointAxis& own = joint_.axes[4];
+    const bool isBounded = own.min >= -kMostOfGimbal && own.max <= kMostOfGimbal;
+    // angles that nothing acts on may be any
+    const bool isPlain = meet && std::all_of(turns_.begin(), turns_.end(), [](const Dof* dof) {
+                           return !dof->range && !(dof->drive.stiffness > 0) && !(dof->drive.damping > 0) &&
+                                  !(dof->friction > 0) && !(dof->damping > 0) && !(dof->armature > 0) &&
+                                  dof->motorForce == 0;
+                         });
+    if (!isBounded && !isPlain)
+      note(Effect::Approximate, "the second of three hinges turns by less than 90 degrees");
+  }
+
+  void makeGimbal(const GimbalFields& fields) {
+    joint_.type = jointType("gimbal");
+    joint_.own = fields;
   }
 
   void addSlides() {
-    const Vec3 axes[3] = {cross(y_, outer_), y_, outer_};
+    const Vec3 axes[3] = {rotate(frameB, {1, 0, 0}), rotate(frameB, {0, 1, 0}), rotate(frameB, {0, 0, 1})};
     bool used[3] = {};
     for (const Dof* slide : slides_) {
       int best = -1;
@@ -239,28 +265,26 @@ class SixDof {
     }
   }
 
-  /// A point that all axes of rotation go through.
-  Vec3 commonAnchor() {
-    if (turns_.empty()) return {};
-    const auto fits = [&](const Vec3& point) {
+  /// Sets both anchors to a point that all axes of rotation go through, if there is one.
+  bool haveCommonAnchor() {
+    std::vector<Vec3> points;
+    for (const Dof* dof : turns_) points.push_back(dof->anchor);
+    points.push_back(nearest(*turns_.front(), *turns_.back()).second);
+    const auto found = std::find_if(points.begin(), points.end(), [&](const Vec3& point) {
       return std::all_of(turns_.begin(), turns_.end(), [&](const Dof* dof) {
-        const Vec3 offset = point - dof->anchor;
-        const Vec3 off = dof->type == DofType::Ball ? offset : cross(offset, dof->axis);
-        return length(off) < kAligned;
+        return length(cross(point - dof->anchor, dof->axis)) < kAligned;
       });
-    };
-    for (const Dof* dof : turns_)
-      if (fits(dof->anchor)) return dof->anchor;
-    // where the axes of the first and the last one are nearest to one another
-    const Dof &first = *turns_.front(), &last = *turns_.back();
-    const Vec3 normal = cross(first.axis, last.axis), across = cross(first.axis, normal);
-    if (const double along = dot(last.axis, across); std::fabs(along) > kAligned)
-      if (const Vec3 point = last.anchor + dot(first.anchor - last.anchor, across) / along * last.axis;
-          fits(point))
-        return point;
-    note(Effect::Approximate,
-         "axes of hinges that do not meet in a point are moved to the anchor of the last one");
-    return link_.dofs.back().anchor;
+    });
+    if (found == points.end()) return false;
+    anchorA = anchorB = *found;
+    return true;
+  }
+  /// Points of both axes where they are nearest to one another.
+  static std::pair<Vec3, Vec3> nearest(const Dof& a, const Dof& b) {
+    const Vec3 between = b.anchor - a.anchor, normal = cross(a.axis, b.axis);
+    const double size = dot(normal, normal);
+    return {a.anchor + dot(cross(between, b.axis), normal) / size * a.axis,
+            b.anchor + dot(cross(between, a.axis), normal) / size * b.axis};
   }
 
   const Link& link_;
@@ -269,8 +293,6 @@ class SixDof {
   double sign_ = 1;
   std::map<const Dof*, TreeJoint::Axis> axes_;
   JointDef joint_;
-  Vec3 x_, y_, z_;  ///< of the joint on A, in the frame of the link
-  Vec3 outer_;      ///< z of the joint on B, likewise
 };
 
 }  // namespace
@@ -298,7 +320,7 @@ JointAxis axisOf(const Coordinate& from, double sign, double zero) {
 TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
   const Dof& first = link.dofs.front();
   JointDef joint;
-  Vec3 anchor = first.anchor;
+  Vec3 anchor = first.anchor, parentAnchor = anchor;
   Quat frame;
   std::optional<Quat> frameB;  // where it is not that of A at the beginning
   bool swapped = false;
@@ -306,7 +328,9 @@ TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
   if (link.dofs.size() > 1) {
     SixDof builder(link, report);
     joint = builder.build();
-    anchor = builder.anchor, swapped = builder.swapped;
+    swapped = builder.swapped;
+    anchor = swapped ? builder.anchorB : builder.anchorA;
+    parentAnchor = swapped ? builder.anchorA : builder.anchorB;
     frame = swapped ? builder.frameB : builder.frameA;
     frameB = normalize(inParentBody.q * (swapped ? builder.frameA : builder.frameB));
     axes = builder.axes();
@@ -327,7 +351,8 @@ TreeJoint jointOf(const Link& link, const Pose& inParentBody, Report& report) {
     joint.orientationAtoB = inParentBody.q;
   }
   joint.anchorA = anchor, joint.frameA = frame;
-  joint.anchorB = inParentBody * anchor, joint.frameB = frameB.value_or(normalize(inParentBody.q * frame));
+  joint.anchorB = inParentBody * parentAnchor,
+  joint.frameB = frameB.value_or(normalize(inParentBody.q * frame));
   if (swapped) std::swap(joint.anchorA, joint.anchorB), std::swap(joint.frameA, joint.frameB);
   return {std::move(joint), !swapped, std::move(axes)};
 }

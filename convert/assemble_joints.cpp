@@ -120,7 +120,8 @@ class JointBuilder {
       return model_.links[link].dofs.size() == 1 ? layout_.jointOf[link] : -1;
     };
     const int a = single(coupling.dofA), b = single(coupling.dofB);
-    if (!isReadable(model_, layout_, coupling.dofA) || !isReadable(model_, layout_, coupling.dofB))
+    if (!isReadable(model_, layout_, scene_, coupling.dofA) ||
+        !isReadable(model_, layout_, scene_, coupling.dofB))
       report_.note(Effect::Approximate, coupling.place, "coupling" + inQuotes(coupling.name), kSeveralJoints);
     const auto type = [&](int joint) {
       return joint < 0 ? JointType::SixDof : scene_.joints[static_cast<std::size_t>(joint)].type;

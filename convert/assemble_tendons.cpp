@@ -35,8 +35,13 @@ class TendonBuilder {
     if (link.dofs.size() > 1)
       if (const auto own = layout_.axisOf.find(at); own != layout_.axisOf.end())
         return addAxis(own->second, c);
-    terms_.push_back({dof.type == DofType::Slide ? kTravel : kTurn, bodyIndex(layout_, at.first),
-                      bodyIndex(layout_, link.parent), dof.axis, dof.anchor, c});
+    terms_.push_back({dof.type == DofType::Slide ? kTravel : kTurn,
+                      bodyIndex(layout_, at.first),
+                      bodyIndex(layout_, link.parent),
+                      dof.axis,
+                      dof.anchor,
+                      c,
+                      {}});
   }
   void addMotion(const Tendon::Motion& motion) {
     const Pose inBody = poseInBody(layout_, motion.link);
@@ -47,7 +52,8 @@ class TendonBuilder {
                       bodyIndex(layout_, motion.frame),
                       axis,
                       inBody * motion.anchor,
-                      {motion.coefficient, 0, 0, 0}});
+                      {motion.coefficient, 0, 0, 0},
+                      {}});
   }
 
   /// Why it cannot be a joint; empty if it can.
@@ -84,6 +90,10 @@ class TendonBuilder {
       fields.terms.insert(fields.terms.end(), {term.kind, number(term.body), number(term.frame), term.axis.x,
                                                term.axis.y, term.axis.z, term.anchor.x, term.anchor.y,
                                                term.anchor.z, term.c[0], term.c[1], term.c[2], term.c[3]});
+    if (std::any_of(terms_.begin(), terms_.end(), [](const Term& t) {
+          return t.tilts != std::array{0., 0.};
+        }))
+      for (const Term& term : terms_) fields.tilts.insert(fields.tilts.end(), {term.tilts[0], term.tilts[1]});
     out.own = fields;
     return "";
   }
@@ -101,6 +111,7 @@ class TendonBuilder {
     int body, frame;
     Vec3 axis, anchor;  ///< in the frame of the body
     std::array<double, 4> c;
+    std::array<double, 2> tilts{};  ///< of the gimbal that it is an angle of [rad]
   };
 
   /// The same of an axis of a joint that has several.
@@ -114,11 +125,23 @@ class TendonBuilder {
       Vec3 unit;
       unit[axis.axis] = 1;
       const Vec3 inWorld = rotate(orientation(joint.bodyB) * joint.frameB, unit);
-      terms_.push_back({kTravel, joint.bodyA, joint.bodyB, rotateInverse(orientation(joint.bodyA), inWorld),
-                        joint.anchorA, c});
+      terms_.push_back({kTravel,
+                        joint.bodyA,
+                        joint.bodyB,
+                        rotateInverse(orientation(joint.bodyA), inWorld),
+                        joint.anchorA,
+                        c,
+                        {}});
     } else {
-      terms_.push_back({kCardan + axis.axis - 3, joint.bodyA, joint.bodyB, rotationVector(joint.frameA),
-                        rotationVector(joint.frameB), c});
+      const auto* const own = std::any_cast<GimbalFields>(&joint.own);
+      const GimbalFields fields = own ? *own : GimbalFields{};
+      terms_.push_back({kCardan + axis.axis - 3,
+                        joint.bodyA,
+                        joint.bodyB,
+                        rotationVector(joint.frameA),
+                        rotationVector(joint.frameB),
+                        c,
+                        {fields.tiltB, fields.tiltA}});
     }
   }
 
@@ -203,8 +226,15 @@ double startOf(const Layout& layout, const Tendon::Motion& motion) {
 
 }  // namespace
 
-bool isReadable(const Model& model, const Layout& layout, const std::pair<int, int>& dof) {
-  return model.links[static_cast<std::size_t>(dof.first)].dofs.size() == 1 || layout.axisOf.contains(dof);
+bool isReadable(const Model& model, const Layout& layout, const Scene& scene,
+                const std::pair<int, int>& dof) {
+  if (model.links[static_cast<std::size_t>(dof.first)].dofs.size() == 1) return true;
+  const auto own = layout.axisOf.find(dof);
+  if (own == layout.axisOf.end()) return false;
+  // a tendon measures travel between points of the bodies
+  const JointDef& joint = scene.joints[static_cast<std::size_t>(own->second.joint)];
+  const auto* const gimbal = std::any_cast<GimbalFields>(&joint.own);
+  return own->second.axis >= 3 || !gimbal || (gimbal->offsetB == Vec3{} && gimbal->offsetA == Vec3{});
 }
 
 std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const Scene& scene,
@@ -220,7 +250,7 @@ std::optional<JointDef> tendonOf(const Model& model, const Layout& layout, const
   double start = 0;  // of the sum, where the joint has 0
   for (const Tendon::Term& term : tendon.terms) {
     const Dof& dof = dofAt(model, term.dof);
-    if (!isReadable(model, layout, term.dof))
+    if (!isReadable(model, layout, scene, term.dof))
       report.note(Effect::Approximate, tendon.place, "tendon" + inQuotes(tendon.name), kSeveralJoints);
     start += term.coefficient * (dof.reference + dof.start);
   }

@@ -266,6 +266,20 @@ struct TendonFields {
   /// center [m]. The segment stays on the side of a guide outside, and touches the surface from within if it
   /// is inside. At most one for each segment and four in all, and at most twelve points.
   std::vector<double> wraps;
+  /// Two numbers for each term, tiltB and tiltA of the gimbal that an angle is of [rad]. Empty: zeros.
+  std::vector<double> tilts = {};
+};
+
+/// JointDef::own of a joint of type "gimbal": how its three axes lie in one another. Without it they are
+/// orthogonal and meet in a point.
+struct GimbalFields {
+  /// With all angles at 0 and in the joint frame of B: from anchor B, a point of the first axis, to a point
+  /// of the second one, and from there to anchor A, a point of the third one [m].
+  Vec3 offsetB, offsetA;
+  /// By how much the first and the second axis, and the second and the third one, are closer than 90 degrees
+  /// [rad]. The second axis is y of B turned by tiltB about x. With the second angle at 0 the third axis is x
+  /// of B turned by tiltA about z of that frame.
+  double tiltB = 0, tiltA = 0;
 };
 
 /// Keyword of a joint type in scene files: "swing_twist".

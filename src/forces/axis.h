@@ -19,7 +19,7 @@
 ///
 /// The rotor row is linear: I c'' + D c' - T by implicit Euler, without multiplier or bound.
 ///
-///   F = (I / dt^2 + D / dt) (c - c(x^t)) - I / dt c'(x^t) - T
+///   F = (I / dt^2 + D / dt) (c - c(x^t)) - I / dt (c(x^t) - c(x^(t-1))) / dt - T
 #include "solver/row.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -149,7 +149,7 @@ struct AxisSituation {
   Real value;    ///< c(x^t), within one revolution
   Real turn;     ///< full revolutions to add to it
   Real change;   ///< change of c in this step without any row, to first order
-  Real speed;    ///< c'(x^t) [m/s, rad/s]
+  Real speed;    ///< (c(x^t) - c(x^(t-1))) / dt, of axes with armature [m/s, rad/s]
   Real inertia;  ///< row inertia
   Real length;   ///< characteristic length [m]; 1 for angles
   Real reach;    ///< speed of a point per unit speed of c [1, m]

@@ -5,6 +5,7 @@
 #include "forces/extension.h"
 #include "forces/fixed.h"
 #include "forces/gear.h"
+#include "forces/gimbal.h"
 #include "forces/hinge.h"
 #include "forces/pulley.h"
 #include "forces/rack.h"

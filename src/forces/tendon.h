@@ -8,13 +8,13 @@
 ///
 /// x_i = p + r_i is a point of its side, n_i the direction of segment i. q_k is the turn of one side in
 /// another about an axis (gear.h) or its travel along it (rack.h). A joint that has several coordinates has
-/// travels and Cardan angles of its frames (six_dof.h).
+/// travels and angles of its frames (gimbal.h).
 ///
 ///   J = w_i (-[n_i, r_i x n_i] at the first end, [n_i, r_(i+1) x n_i] at the second) + f' dq/dx
 ///   G: column norms of F d2c/dx2, with P of a segment under tension only (lengthCurvature)
 #include "forces/gear.h"
+#include "forces/gimbal.h"
 #include "forces/linear_parts.h"
-#include "forces/six_dof.h"
 #include "forces/tendon_wrap.h"
 
 namespace rubble {
@@ -33,6 +33,7 @@ template <class R, class V, class Q> struct TendonPath {
     R c[4];
     int kind;             ///< 0: turn, 1: travel, 2 to 4: Cardan angle about x, y or z
     int body, frameBody;  ///< sides
+    GimbalTilts<R> tilts;
   };
   Point point[kMostPoints];
   Term term[kMostTerms];
@@ -57,6 +58,10 @@ struct Curve6 {
   RUBBLE_HD void addTurn(const Vec3& a, const Vec3& b, Real s) {
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k) m[3 + i][3 + k] += s * (a[i] * b[k] + b[i] * a[k]) / 2;
+  }
+  RUBBLE_HD void addTurn(const Sym3& a, Real s) {
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < 3; ++i) m[3 + i][3 + k] += s * a.column(k)[i];
   }
   /// s S(f, r): of f . exp(w) r.
   RUBBLE_HD void addLever(const Vec3& f, const Vec3& r, Real s) {
@@ -114,9 +119,12 @@ struct TendonAxis {
     RUBBLE_HD Quat turn() const { return shortArc(conjugate(base()) * body.q * term.frame); }
     RUBBLE_HD Vec3 lever() const { return rotate(body.q, term.anchor); }
     RUBBLE_HD int cardan() const { return term.kind - 2; }
+    RUBBLE_HD CardanDerivatives cardanDerivatives() const {
+      return CardanAngles(turn(), term.tilts).derivatives(base());
+    }
     /// Within one revolution.
     RUBBLE_HD Real angle() const {
-      return term.kind == 0 ? twistAngle(turn()) : CardanAngles(turn()).angle[cardan()];
+      return term.kind == 0 ? twistAngle(turn()) : CardanAngles(turn(), term.tilts).angle(cardan());
     }
     RUBBLE_HD Real value(const RevolutionCounter& counter) const {
       if (term.kind != 1) {
@@ -127,18 +135,15 @@ struct TendonAxis {
     }
     RUBBLE_HD Vec6 gradient(bool ofFrame) const {
       if (term.kind != 1) {
-        const Vec3 g = rotate(
-            base(), term.kind == 0 ? twistGradient(turn()) : CardanAngles(turn()).gradient(cardan()));
+        const Vec3 g = term.kind == 0 ? rotate(base(), twistGradient(turn()))
+                                      : cardanDerivatives().g[cardan()];
         return {{0, 0, 0}, ofFrame ? -g : g};
       }
       const Vec3 u = rotate(base(), Vec3{1, 0, 0}), r = lever();
       return ofFrame ? -Vec6{u, cross(body.p + r - frame.p, u)} : Vec6{u, cross(r, u)};
     }
     RUBBLE_HD void bend(bool ofFrame, Real s, Curve6& sum) const {
-      if (term.kind >= 2) {
-        const CardanAngles angles(turn());
-        return sum.addTurn(rotate(base(), angles.left(cardan())), rotate(base(), angles.right(cardan())), s);
-      }
+      if (term.kind >= 2) return sum.addTurn(cardanDerivatives().second(cardan()), s);
       if (term.kind == 0) {
         const Vec3 g = twistGradient(turn());
         return sum.addTurn(rotate(base(), g), rotate(base(), Vec3{0, g.z, -g.y}), -s);
@@ -277,7 +282,8 @@ struct TendonJoint {
                        {Real(t.c[0]), Real(t.c[1]), Real(t.c[2]), Real(t.c[3])},
                        t.kind,
                        t.body,
-                       t.frameBody};
+                       t.frameBody,
+                       t.tilts.as<Real>()};
       }
       return out;
     }
@@ -307,7 +313,9 @@ struct TendonKind {
           field("terms", "1, m", "thirteen numbers for each coordinate: kind, sides, axis, anchor, c_1-4",
                 &TendonFields::terms),
           field("wraps", "1, m", "thirteen numbers for each sphere or cylinder that the path goes around",
-                &TendonFields::wraps)},
+                &TendonFields::wraps),
+          field("tilts", "rad", "two numbers for each coordinate: tilts of the gimbal that it is an angle of",
+                &TendonFields::tilts)},
       kBreakForceField);
 
   static rubble::Quat fromRotationVector(const rubble::Vec3& v) {
@@ -351,14 +359,19 @@ struct TendonKind {
               {n[9], n[10], n[11], n[12]},
               static_cast<int>(n[0]),
               static_cast<int>(n[1]),
-              static_cast<int>(n[2])};
+              static_cast<int>(n[2]),
+              {}};
       term.base = normalize(conjugate(frame.orientation) * body.orientation * term.frame);
       term.begin = rotateInverse(frame.orientation, body.point(term.anchor) - frame.position);
       if (term.kind >= 2) {
+        const std::size_t at = i / kTermNumbers * 2;
+        const auto tilt = [&](std::size_t k) { return own.tilts.empty() ? 0 : own.tilts[at + k]; };
+        term.tilts = GimbalTilts<double>::of(tilt(0), tilt(1));
         term.frame = normalize(conjugate(body.axes) * fromRotationVector({n[3], n[4], n[5]}));
         term.base = normalize(conjugate(frame.axes) * fromRotationVector({n[6], n[7], n[8]}));
         const rubble::Quat turn = conjugate(frame.orientation * term.base) * body.orientation * term.frame;
-        term.begin = {double(CardanAngles(shortArc(Quat(turn))).angle[term.kind - 2]), 0, 0};
+        const CardanAngles angles(shortArc(Quat(turn)), term.tilts.as<Real>());
+        term.begin = {double(angles.angle(term.kind - 2)), 0, 0};
       }
       if (b.before && out.terms <= before.terms)
         term.base = before.term[out.terms - 1].base, term.begin = before.term[out.terms - 1].begin;
@@ -380,6 +393,10 @@ struct TendonKind {
     size(own.path.size(), kPointNumbers, TendonJoint::Constants::kMostPoints, ".path");
     size(own.terms.size(), kTermNumbers, TendonJoint::Constants::kMostTerms, ".terms");
     size(own.wraps.size(), kWrapNumbers, TendonJoint::Constants::kMostWraps, ".wraps");
+    if (!own.tilts.empty() && own.tilts.size() != own.terms.size() / kTermNumbers * 2)
+      throw Error(path + ".tilts", "two numbers for each term", numberText(double(own.tilts.size())));
+    for (std::size_t i = 0; i < own.tilts.size(); ++i)
+      GimbalKind::checkTilt(own.tilts[i], (path + ".tilts")[i]);
     for (std::size_t i = 0; i < own.wraps.size(); i += kWrapNumbers) {
       whole(own.wraps[i], static_cast<double>(own.path.size()) / kPointNumbers - 2, (path + ".wraps")[i]);
       whole(own.wraps[i + 1], 3, (path + ".wraps")[i + 1]);

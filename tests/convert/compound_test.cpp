@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <rubble/actuators.h>
+#include <rubble/sensors.h>
 #include <rubble/world.h>
 
 #include "tests/convert/model_file.h"
@@ -38,6 +39,39 @@ TEST_P(CompoundJoints, AreCoupledByEachOfTheirCoordinates) {
   }
   EXPECT_GT(farthest, 0.02);
 }
+/// In a keyframe, where the importer places bodies by itself, their joints have the coordinates of the model.
+TEST(CompoundJoint, HasTheCoordinatesOfHingesThatDoNotMeet) {
+  convert::ImportOptions options;
+  options.key = "k";
+  const convert::Import model = test::importText(
+      test::mjcf("<body name='a' pos='0.1 0.2 0.3' euler='10 20 30'>"
+                 "<joint name='s' type='slide' axis='1 0.2 0.1'/>"
+                 "<joint name='p' axis='1 0.2 0.1' pos='0 0.1 0.02'/>"
+                 "<joint name='q' axis='0.3 1 -0.2' pos='-0.05 0 0.1' range='-60 60'/>"
+                 "<joint name='r' axis='0.1 0.4 1' pos='0.1 -0.07 0'/><geom size='0.1' mass='2'/>"
+                 "<body name='b' pos='0.4 0 0'><joint name='t' axis='0 1 0.2' pos='0 0 0.1'/>"
+                 "<joint name='u' axis='1 0.5 0' pos='0 0.05 0'/>"
+                 "<joint name='v' type='slide' axis='1 0.5 0'/><geom size='0.05' mass='1'/></body></body>",
+                 "<sensor><jointpos joint='s'/><jointpos joint='p'/><jointpos joint='q'/><jointpos "
+                 "joint='r'/><jointpos joint='t'/><jointpos joint='u'/><jointpos joint='v'/></sensor>"
+                 "<keyframe><key name='k' qpos='0.05 0.7 -0.6 2.5 -2.2 0.9 0.1'/></keyframe>"),
+      "model.xml", options);
+  EXPECT_EQ(model.report.count(convert::Effect::Approximate), 0u) << convert::textOf(model.report, true);
+  EXPECT_EQ(model.report.count(convert::Effect::Lost), 0u) << convert::textOf(model.report, true);
+  WorldOptions reference;
+  reference.backend = "reference", reference.threads = 1;
+  World world(model.file.scene, reference);
+  Sensors sensors(model.file.sensors, world);
+  sensors.update(world);
+  const double expected[] = {0.05, 0.7, -0.6, 2.5, -2.2, 0.9, 0.1};
+  for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(sensors.values(i)[0], expected[i], 1e-9) << i;
+  for (const JointId id : world.joints()) {
+    const JointState joint = world.state(id);
+    EXPECT_NEAR(joint.axes[0].position, 0, 1e-9);
+    EXPECT_NEAR(joint.axes[1].position, 0, 1e-9);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, CompoundJoints, ::testing::Values("cpu", "reference"));
 
 }  // namespace

@@ -15,6 +15,7 @@ except ImportError:
     print("oracle: this Python has no mujoco")
     sys.exit(77)
 
+import compound_models
 import generated_models
 from scene_bodies import mass_of, matrix, parts_of, pose_of
 
@@ -84,6 +85,18 @@ def frame_of(scene, joint, side):
     return at + rotation @ anchor, rotation @ axes
 
 
+def hinges_of(scene, joint):
+    """Of the axes of rotation of a joint: number, a point, direction, present angle; in the world."""
+    (at_a, axes_a), (at_b, axes_b) = (frame_of(scene, joint, side) for side in "ab")
+    if joint["type"] != "gimbal":
+        return [(k, at_a, axes.T[k], 0.0) for k in range(3) for axes in (axes_b, axes_a)]
+    tilt, offset = joint.get("tilt_b", 0.0), np.array(joint.get("offset_b", [0, 0, 0]))
+    middle = axes_b @ [0, np.cos(tilt), np.sin(tilt)]
+    inner, x = axes_a[:, 0], axes_b[:, 0]
+    angle = np.arctan2(-inner @ np.cross(x, middle), inner @ x)
+    return [(0, at_a, inner, 0.0), (1, at_b + axes_b @ offset, middle, angle), (2, at_b, axes_b[:, 2], 0.0)]
+
+
 def compare_joints(model, data, scene, name):
     for index in range(model.njnt):
         kind = model.jnt_type[index]
@@ -94,27 +107,32 @@ def compare_joints(model, data, scene, name):
         if own is None:
             problems.append(f"{name}: no joint {label}")
             continue
-        frames = [frame_of(scene, own, side) for side in "ab"]
-        for anchor, _ in frames if kind != mujoco.mjtJoint.mjJNT_SLIDE else ():
-            check(f"{name} anchor: {label}", anchor, data.xanchor[index])
         if kind == mujoco.mjtJoint.mjJNT_BALL:
+            for side in "ab":
+                check(f"{name} anchor: {label}", frame_of(scene, own, side)[0], data.xanchor[index])
             continue
-        # x of a gimbal is that of A, the others are those of B
-        along = max((axes.T @ data.xaxis[index] for _, axes in frames[::-1]), key=lambda a: np.abs(a).max())
-        place = int(np.argmax(np.abs(along)))
-        check(f"{name} axis: {label}", abs(along[place]), 1)
+        axis = data.xaxis[index]
+        slides = kind == mujoco.mjtJoint.mjJNT_SLIDE
+        axes = hinges_of(scene, own)
+        if slides:
+            axes = [(k, None, frame_of(scene, own, "b")[1][:, k], 0.0) for k in range(3)]
+        place, point, direction, angle = max(axes, key=lambda each: abs(each[2] @ axis))
+        along = direction @ axis
+        check(f"{name} axis: {label}", abs(along), 1)
+        if not slides:
+            check(f"{name} anchor: {label}", np.cross(data.xanchor[index] - point, axis), [0, 0, 0])
         single = own["type"] in ("hinge", "slider")
         if single:
             check(f"{name} axis of a single joint: {label}", place, 0)
-        offset = 3 if kind == mujoco.mjtJoint.mjJNT_HINGE else 0
+        offset = 0 if slides else 3
         axis = own.get("axes", [{}])[0 if single else place + offset]
         swapped = own["body_a"] != model.body(model.body_weldid[model.jnt_bodyid[index]]).name
-        sign = np.sign(along[place]) * (-1 if swapped else 1)
+        sign = np.sign(along) * (-1 if swapped else 1)
         low, high = axis.get("min", "free"), axis.get("max", "free")
         check(f"{name} is limited: {label}", low != "free", bool(model.jnt_limited[index]))
         if model.jnt_limited[index]:
             reference = model.qpos0[model.jnt_qposadr[index]]
-            ends = [low, high] if sign > 0 else [-high, -low]
+            ends = [low - angle, high - angle] if sign > 0 else [angle - high, angle - low]
             check(f"{name} range: {label}", ends, model.jnt_range[index] - reference)
         dof = model.jnt_dofadr[index]
         check(f"{name} friction: {label}", axis.get("friction", 0), model.dof_frictionloss[dof])
@@ -326,26 +344,38 @@ def compare_push(rubble, name, impulse, folder):
         problems.append(f"{name} pushed by {impulse}: {own:.2f} of its height here, {theirs:.2f} in MuJoCo")
 
 
-def compare_motion(rubble, name, bodies, size, folder, key=None):
+def compare_motion(rubble, name, bodies, size, folder, key=None, file=None, step=1e-4, rate=8000,
+                   iterations="8", moments=(0.25, 0.5, 1.0, 1.5, 2.0)):
     """Largest distance from MuJoCo over two seconds, over the size of the mechanism."""
-    file = MODELS / (name + ".xml")
+    file = file or MODELS / (name + ".xml")
     scene = import_scene(rubble, file, folder, *(["--key", key] if key else []))
     model = mujoco.MjModel.from_xml_path(str(file))
-    model.opt.timestep, model.opt.integrator = 1e-4, mujoco.mjtIntegrator.mjINT_RK4
-    model.eq_solref[:], model.eq_solimp[:, :2] = [2.5e-4, 1], 0.9999
+    model.opt.timestep, model.opt.integrator = step, mujoco.mjtIntegrator.mjINT_RK4
+    model.eq_solref[:], model.eq_solimp[:, :2] = [2.5 * step, 1], 0.9999
     data = mujoco.MjData(model)
     if key:
         mujoco.mj_resetDataKeyframe(model, data, model.key(key).id)
-    dt, worst = 1 / 8000, 0.0
-    for moment in (0.25, 0.5, 1.0, 1.5, 2.0):
-        while data.time < moment - 5e-5:
+    worst = 0.0
+    for moment in moments:
+        while data.time < moment - step / 2:
             mujoco.mj_step(model, data)
         theirs = np.array([data.body(body).xpos for body in bodies])
-        own = positions(rubble, scene, bodies, round(moment / dt), dt, folder)
+        own = positions(rubble, scene, bodies, round(moment * rate), 1 / rate, folder, iterations)
         worst = max(worst, np.abs(own - theirs).max() / size)
     print(f"oracle: {name}: at most {100 * worst:.3f} % from MuJoCo over 2 s")
     if not worst < 0.01:
         problems.append(f"{name}: {100 * worst:.2f} % from MuJoCo, at most 1 %")
+
+
+def compare_compounds(rubble, folder):
+    """Generated mechanisms of bodies with several joints: as they stand, and their motion."""
+    for make, seeds in ((compound_models.hinges, 20), (compound_models.couplings, 8)):
+        name, (text, bodies) = make.__name__, make(range(seeds))
+        file = folder / (name + ".xml")
+        file.write_text(text)
+        compare(rubble, file, folder)
+        compare_motion(rubble, name, bodies, compound_models.SIZE, folder, "on", file, 2.5e-4, 2000, "2",
+                       (0.5, 2.0))
 
 
 def compare_rest(rubble, name, key, bodies, folder, seconds=3.0, most=2e-4):
@@ -428,6 +458,7 @@ def main():
                 compare(rubble, file, folder)
         if not files:
             compare_flexcomps(rubble, folder)
+            compare_compounds(rubble, folder)
             compare_motion(rubble, "pendulum", ["bob"], 1.0, folder)
             compare_motion(rubble, "double_pendulum", ["upper", "lower"], 0.9, folder)
             compare_motion(rubble, "two_hinges", ["bob"], 0.7, folder)

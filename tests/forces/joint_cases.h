@@ -27,6 +27,15 @@ inline Quat frameNear(test::Random& random, const Quat& base, const Quat& body) 
   return conjugate(body) * base * random.rotationUpTo(2);
 }
 
+inline GimbalTilts<Real> randomTilts(test::Random& random) {
+  return GimbalTilts<Real>::of(random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7));
+}
+/// Are the axes of the angles of e far from one plane?
+inline bool isRegular(const Quat& e, const GimbalTilts<Real>& tilts) {
+  const CardanAngles q(shortArc(e), tilts);
+  return dot(q.axis(0), cross(q.axis(1), q.axis(2))) > 0.4;
+}
+
 /// Anywhere, with large errors.
 template <class F> JointCase<F> randomJointCase(test::Random& random) {
   JointCase<F> x{};
@@ -43,11 +52,12 @@ template <class F> JointCase<F> randomJointCase(test::Random& random) {
     do d.frameA = frameNear(random, x.b.q * d.frameB, x.a.q);
     while (std::fabs(rotate(conjugate(x.b.q * d.frameB) * x.a.q * d.frameA, Vec3{1, 0, 0}).x) > .95);
   }
-  if constexpr (requires { d.isGimbal; }) {
-    d.isGimbal = random.uniform(0, 1) < .5;
-    // not with the outer axes parallel, where a turn is about both
-    while (d.isGimbal &&
-           std::fabs(rotate(conjugate(x.b.q * d.frameB) * x.a.q * d.frameA, Vec3{1, 0, 0}).z) > .8)
+  if constexpr (requires { d.tilts; }) {
+    d.meet = random.uniform(0, 1) < 0.3;
+    if (d.meet == 0) d.offsetB = random.vector(), d.offsetA = random.vector();
+    d.tilts = randomTilts(random);
+    // not with two axes parallel, where a turn is about both
+    while (!isRegular(conjugate(x.b.q * d.frameB) * x.a.q * d.frameA, d.tilts))
       d.frameA = frameNear(random, x.b.q * d.frameB, x.a.q);
   }
   if constexpr (requires { d.baseB; }) {
@@ -72,10 +82,9 @@ template <class F> JointCase<F> randomJointCase(test::Random& random) {
       term.body = k, term.frameBody = 3 - k;
       term.base = random.rotation(), term.begin = random.vector(), term.anchor = random.vector();
       const Quat base = poseOf(x, term.frameBody).q * term.base;
-      // not with the outer axes parallel, where a turn is about both
+      term.tilts = randomTilts(random);
       do term.frame = frameNear(random, base, poseOf(x, term.body).q);
-      while (k == 2 &&
-             std::fabs(rotate(conjugate(base) * poseOf(x, term.body).q * term.frame, Vec3{1, 0, 0}).z) > .8);
+      while (k == 2 && !isRegular(conjugate(base) * poseOf(x, term.body).q * term.frame, term.tilts));
       for (Real& c : term.c) c = random.uniform(-.5, .5);
     }
   }

@@ -268,7 +268,7 @@ template <class F> struct LoadedJoint {
 };
 template <class F> class TurningJoint : public ::testing::Test {};
 using TurningJoints = ::testing::Types<FixedJoint, HingeJoint, SliderJoint, UniversalJoint, SwingTwistJoint,
-                                       SixDofJoint>;
+                                       SixDofJoint, GimbalJoint>;
 TYPED_TEST_SUITE(TurningJoint, TurningJoints);
 
 TYPED_TEST(TurningJoint, HasItsErrorsToFirstOrderInWhatTurnsDuringAnIteration) {

@@ -169,6 +169,14 @@ JointDef joint(ByteSource& in) {
   constexpr int kKinds = 15, kGimbal = 240;
   const int kind = in.byte();
   out.type = kind >= kGimbal ? jointType("gimbal") : static_cast<JointType>(kind % kKinds);
+  if (kind >= kGimbal) {
+    GimbalFields fields;
+    fields.offsetB = in.vector(-1, 1);
+    fields.offsetA = in.vector(-1, 1);
+    fields.tiltB = in.between(-1.4, 1.4);
+    fields.tiltA = in.between(-1.4, 1.4);
+    out.own = fields;
+  }
   out.anchorA = in.vector(-1, 1), out.anchorB = in.vector(-1, 1);
   out.frameA = in.rotation(), out.frameB = in.rotation();
   if (in.flag()) out.orientationAtoB = in.rotation();

@@ -73,6 +73,14 @@ void expectSame(const JointDef& a, const JointDef& b) {
     EXPECT_EQ(own->path, other.path);
     EXPECT_EQ(own->terms, other.terms);
     EXPECT_EQ(own->wraps, other.wraps);
+    EXPECT_EQ(own->tilts, other.tilts);
+  }
+  if (const auto* own = std::any_cast<GimbalFields>(&a.own)) {
+    const auto& other = std::any_cast<const GimbalFields&>(b.own);
+    expectSame(own->offsetB, other.offsetB);
+    expectSame(own->offsetA, other.offsetA);
+    expectSame(own->tiltB, other.tiltB);
+    expectSame(own->tiltA, other.tiltA);
   }
   expectSame(a.pulleyA, b.pulleyA);
   expectSame(a.pulleyB, b.pulleyB);
@@ -259,9 +267,14 @@ TEST(SceneRoundTrip, EverythingIsExact) {
   tendon.bodyA = 1, tendon.bodyB = 2, tendon.frameBodyA = 0;
   tendon.own = TendonFields{{0, .1, 1. / 3, 0, 1, 2, 0, 0, 2, 0},
                             {0, 1, 2, 0, 0, 1, 0, .2, 0, 1, .5, 0, -.1},
-                            {0, 2, .1, .2, 1. / 3, 0, 1, 0, .05, 1, 0, 0, .3}};
+                            {0, 2, .1, .2, 1. / 3, 0, 1, 0, .05, 1, 0, 0, .3},
+                            {.1, -.2}};
   tendon.axes[0].armature = .1, tendon.axes[0].damping = .2, tendon.axes[0].motorForce = -3;
-  scene.joints = {ball, fixed, six, pulley, shoulder, gear, tendon};
+  JointDef hip;
+  hip.type = jointType("gimbal");
+  hip.bodyA = 1, hip.bodyB = 2;
+  hip.own = GimbalFields{{.1, 0, 1. / 3}, {0, -.2, 0}, .4, -.3};
+  scene.joints = {ball, fixed, six, pulley, shoulder, gear, tendon, hip};
   BodyDef ball2;
   ball2.name = "ball";
   ball2.shape = Shape::sphere(.1);

@@ -83,6 +83,26 @@ TEST(Validation, NamesTheNumberOfATendonThatIsWrong) {
   spoilt("terms[2]", [](TendonFields& t) { t.terms[2] = -1; });
   spoilt("terms[2]", [](TendonFields& t) { t.terms[2] = 0; });
   spoilt("terms[3]", [](TendonFields& t) { t.terms[3] = 0; });
+  spoilt("tilts", [](TendonFields& t) { t.tilts = {0}; });
+  spoilt("tilts[1]", [](TendonFields& t) { t.tilts = {0, 2}; });
+}
+
+TEST(Validation, NamesTheFieldOfAGimbalThatIsWrong) {
+  const auto with = [](const GimbalFields& fields) {
+    Scene scene = test::tower(3);
+    JointDef gimbal;
+    gimbal.type = jointType("gimbal");
+    gimbal.bodyA = 1, gimbal.bodyB = 2;
+    gimbal.own = fields;
+    scene.joints.push_back(gimbal);
+    return scene;
+  };
+  EXPECT_NO_THROW(validate(with({{1, 2, 3}, {0, 0, 1}, -1, 1.4})));
+  expectError("joints[0].offsetB", [&] { validate(with({{kNan, 0, 0}, {}, 0, 0})); });
+  expectError("joints[0].offsetA", [&] { validate(with({{}, {0, kNan, 0}, 0, 0})); });
+  // parallel axes
+  expectError("joints[0].tiltB", [&] { validate(with({{}, {}, 1.57, 0})); });
+  expectError("joints[0].tiltA", [&] { validate(with({{}, {}, 0, -1.57})); });
 }
 
 TEST(Validation, NamesTheJointAndFieldThatIsWrong) {
