@@ -28,7 +28,7 @@ void expectRecorded(const test::Golden& golden, const std::string& instructionSe
     runner.step();
   }
   EXPECT_EQ(runner.world().hash(), golden.hash)
-      << test::rowOf(golden, runner.world().hash()) << instructionSet;
+      << test::rowOf(golden, runner.world().hash()) << " " << instructionSet;
 }
 
 /// Scenes after `steps` steps with each instruction set of this machine but the one that runs by default.

@@ -220,7 +220,7 @@ class CudaExecutor : private ScanLauncher {
   void run(const FindImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindGeneralImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindUnpairedImpacts& kernel, int Counters::*n) {
-    runRarely(SearchByTile<FindUnpairedImpacts, 2>{kernel}, n);
+    runRarely(SearchByTile<FindUnpairedImpacts, 8>{kernel}, n);
   }
   void run(const FindPairs<false>& kernel, int n) { search<FindPairsByTile>(kernel, n); }
 

@@ -214,7 +214,9 @@ void CudaPeers::await() {
   else
     checkCuda(cudaStreamSynchronize(stream_), "step on the device");
 }
-bool CudaPeers::captured() const { return !impl_->letters || impl_->letters->captured(); }
+bool CudaPeers::captured() const {
+  return !impl_->signal.shared && (!impl_->letters || impl_->letters->captured());
+}
 int CudaPeers::version() const { return impl_->letters ? impl_->letters->version() : 0; }
 
 void CudaPeers::restart() {
@@ -322,10 +324,15 @@ void CudaPeers::meetIf(const int* condition) {
 /// The first launch of a kernel loads it, for which CUDA may wait for the end of all work under way. Work
 /// that waits for a rank that has not launched its part would then never end. So until all kernels have run,
 /// ranks launch a barrier when their devices have ended everything else, and go on when they have ended the
-/// barrier.
+/// barrier. On GPUs with several ranks the barrier is that all have ended.
 template <class Launch> void CudaPeers::launchBarrier(Launch&& launch) {
   const bool alone = !isLoaded_ && !launcher_->options_.captured;
   const auto end = [&] { checkCuda(cudaStreamSynchronize(stream_), "a barrier of devices"); };
+  if (impl_->signal.shared) {
+    launch();
+    end(), awaitAll();
+    return;
+  }
   if (alone) end(), awaitAll();
   launch();
   if (alone) end();

@@ -103,12 +103,14 @@ class KernelLauncher {
       launchNext(runKernel<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
   }
 
-  /// For kernels of many registers that mostly have no element: a block a multiprocessor, where others would
-  /// queue only to end.
+  /// For kernels of many registers that mostly have no element: few blocks, where others would queue only to
+  /// end.
   template <class Kernel> void runRarely(const Kernel& kernel, int Counters::*n) {
     if (!begins()) return;
     enterStage(Kernel::kStage);
-    launch(kernel, {0, counter(n)}, processors_ * kThreads / widthOf<Kernel>(), Kernel::kStage);
+    constexpr int kBlocksPerProcessor = 4;
+    const int blocks = kBlocksPerProcessor * processors_;
+    launch(kernel, {0, counter(n)}, blocks * kThreads / widthOf<Kernel>(), Kernel::kStage);
   }
 
   /// Counters is an array of ints.

@@ -103,7 +103,7 @@ struct ShareSeenOfColor : PeerPost {
 static __global__ void __launch_bounds__(kThreads)
     storeColor(const __grid_constant__ SolverData s, const ShareSeenOfColor push, Count shared,
                PeerSignals signals, Control* control) {
-  signals.awaitPrevious();
+  awaitPrevious();
   if (control->stop != 0 || push.color >= s.counters->colors) return;
   runStrided(s, push, shared.get(), [&](int k) { return shared.list[k]; });
   meetAfterStores(signals, control);
@@ -112,7 +112,7 @@ static __global__ void __launch_bounds__(kThreads)
 /// The barrier after other kernels, unless `condition` points to zero.
 static __global__ void __launch_bounds__(kMostPeers)
     meetAll(PeerSignals signals, const int* condition, Control* control) {
-  signals.awaitPrevious();
+  awaitPrevious();
   if (control->stop == 0 && (!condition || *condition != 0)) meetPeers(signals, control);
 }
 

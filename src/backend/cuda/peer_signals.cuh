@@ -14,14 +14,9 @@ struct PeerSignals {
   unsigned* flag;            ///< [ranks] barriers that others have reached
   unsigned* of[kMostPeers];  ///< `flag` of each device
   unsigned long long limit;  ///< longest wait [ns]
-  bool shared;               ///< some GPU has several ranks
-
-  /// As awaitPrevious(). On a GPU with several ranks the next kernel does not start: its blocks could keep
-  /// those from running that this one waits for.
-  __device__ void awaitPrevious() const {
-    awaitEnd();
-    if (!shared) callNext();
-  }
+  /// Some GPU has several ranks: ranks wait for one another on the host, for kernels of one that wait could
+  /// keep those of another from running.
+  bool shared;
 };
 
 __device__ inline unsigned long long nanoseconds() {
@@ -42,6 +37,7 @@ __device__ inline unsigned readFlag(const unsigned* flag) {
 /// answer in time stops the step.
 __device__ inline void meetPeers(const PeerSignals& g, Control* control) {
   __threadfence_system();
+  if (g.shared) return;
   const int r = static_cast<int>(threadIdx.x);
   const unsigned epoch = *g.epoch + 1;
   if (r < g.ranks && r != g.rank) {
