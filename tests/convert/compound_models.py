@@ -120,7 +120,8 @@ def couplings(seeds):
         own, joints, at = Mechanism(out, seed), [], []
         for k in range(2):
             at.append(len(out.qpos))
-            slides = (seed + k) % 3 == 0  # with one hinge: travel beside hinges that do not meet is approximate
+            # with one hinge: travel beside hinges that do not meet is approximate
+            slides = (seed + k) % 3 == 0
             text_of, names = own.body(f"{'ab'[k]}{seed}", [2.0 * seed, k, 0], "", slides, int(slides))
             out.parts["bodies"] += text_of
             joints.append(names)
