@@ -36,7 +36,7 @@ struct Tuning {
   double driftCorrection = 1.2;
   double warmStartDecay = .99;   ///< gamma for a step of 1/60 s [1]; scaled as gamma^(60 dt)
   bool coarseCorrection = true;  ///< solve for rigid motions of aggregates of bodies
-  bool jointTrees = true;        ///< direct solves of joint trees and strands
+  bool jointTrees = true;        ///< direct solves of joint trees, strands and columns
   double acceleration = .8;      ///< rho of the Chebyshev acceleration of deformable solids [1]; 0: off
   bool coneHessian = true;       ///< cone-consistent Hessian of sliding friction; otherwise the unclamped one
   bool dormantRows = true;       ///< leave out rows that stay open at the inertial targets

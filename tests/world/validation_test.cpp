@@ -51,17 +51,23 @@ TEST(Validation, NamesTheBodyAndFieldThatIsWrong) {
   expectBadScene("gravity", [](Scene& s) { s.gravity.y = kNan; });
 }
 
+/// Two bodies with a joint that has fields of its own.
+Scene withJoint(const char* type, std::any own) {
+  Scene scene = test::tower(3);
+  JointDef joint;
+  joint.type = jointType(type);
+  joint.bodyA = 1, joint.bodyB = 2;
+  joint.own = std::move(own);
+  scene.joints.push_back(std::move(joint));
+  return scene;
+}
+
 TEST(Validation, NamesTheNumberOfATendonThatIsWrong) {
   const TendonFields good{{0, 0, 0, 0, 1, 1, 0, 0, 0, 0},
                           {0, 0, 2, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0},
                           {0, 2, 0, 0, 5, 0, 1, 0, .5, 0, 0, 0, 0}};
   const auto spoilt = [&](const std::string& field, const std::function<void(TendonFields&)>& spoil) {
-    Scene scene = test::tower(3);
-    JointDef tendon;
-    tendon.type = jointType("tendon");
-    tendon.bodyA = 1, tendon.bodyB = 2;
-    tendon.own = good;
-    scene.joints.push_back(tendon);
+    Scene scene = withJoint("tendon", good);
     EXPECT_NO_THROW(validate(scene));
     TendonFields bad = good;
     spoil(bad);
@@ -88,15 +94,7 @@ TEST(Validation, NamesTheNumberOfATendonThatIsWrong) {
 }
 
 TEST(Validation, NamesTheFieldOfAGimbalThatIsWrong) {
-  const auto with = [](const GimbalFields& fields) {
-    Scene scene = test::tower(3);
-    JointDef gimbal;
-    gimbal.type = jointType("gimbal");
-    gimbal.bodyA = 1, gimbal.bodyB = 2;
-    gimbal.own = fields;
-    scene.joints.push_back(gimbal);
-    return scene;
-  };
+  const auto with = [](const GimbalFields& fields) { return withJoint("gimbal", fields); };
   EXPECT_NO_THROW(validate(with({{1, 2, 3}, {0, 0, 1}, -1, 1.4})));
   expectError("joints[0].offsetB", [&] { validate(with({{kNan, 0, 0}, {}, 0, 0})); });
   expectError("joints[0].offsetA", [&] { validate(with({{}, {0, kNan, 0}, 0, 0})); });

@@ -104,7 +104,7 @@ class KernelLauncher {
   }
 
   /// For kernels of many registers that mostly have no element: few blocks, where others would queue only to
-  /// end.
+  /// end. One a multiprocessor costs 4 % of the smash of `ring-110k` (docs/research/tuning-log.md).
   template <class Kernel> void runRarely(const Kernel& kernel, int Counters::*n) {
     if (!begins()) return;
     enterStage(Kernel::kStage);

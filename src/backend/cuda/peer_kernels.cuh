@@ -5,11 +5,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Appends the elements of [0, n), or of another list, that pass a test to a list, block by block: in order
-/// within a block. One kernel in place of the three of a library's selection (docs/research/tuning-log.md).
+/// Does a test select from another list?
 template <class Test> inline constexpr bool kSelectsOfList = requires(const Test& test, const SolverData& s) {
   test.of(s, 0);
 };
+/// Appends the elements of [0, n), or of another list, that pass a test to a list, block by block: in order
+/// within a block. One kernel in place of the three of a library's selection (docs/research/tuning-log.md).
 template <class Test>
 __global__ void __launch_bounds__(kThreads)
     listElements(const __grid_constant__ SolverData s, const Test test, Count n, int* list, int* listed,
