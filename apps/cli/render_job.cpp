@@ -21,7 +21,6 @@ namespace rubble::cli {
 namespace {
 
 constexpr int kPictureSamples = 32, kFilmSamples = 4, kFilmSamplesGpu = 16;
-constexpr int kDivider = 4;  // pixels between two runs
 constexpr double kTimeSlack = 1e-9;
 /// Exposures of a picture with motion blur.
 constexpr int kExposures = 8;

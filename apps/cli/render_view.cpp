@@ -15,7 +15,6 @@ namespace {
 
 /// Room for rubble on every side of a scene that is smashed, over its height.
 constexpr double kRubbleRoom = .3;
-constexpr int kDivider = 4;  // pixels
 constexpr std::uint8_t kDividerGrey = 250;
 
 /// Where a named camera looks along: across from the scene's own view, away from it, and down.

@@ -42,6 +42,8 @@ struct Caption {
 std::string grouped(long long number);
 /// Writes the caption onto the lower left of a picture, where the build has Cairo.
 void drawCaption(io::Image& image, const Caption& caption);
+/// Width of the line between two pictures [pixels].
+inline constexpr int kDivider = 4;
 /// Two pictures of one height beside each other with a thin line between them.
 io::Image beside(const io::Image& left, const io::Image& right);
 
