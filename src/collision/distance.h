@@ -283,6 +283,28 @@ RUBBLE_HD inline SweptMotion motionOfSurface(const Placed& s, const SweptMotion&
   const bool rotates = s.shape.kind != ShapeKind::Sphere || s.arm != Vec3d{};
   return rotates ? motion : SweptMotion{motion.move, {}, motion.until};
 }
+/// Separation of two shapes along a unit vector from A to B [m]: at most their distance; negative: overlap
+/// along n.
+RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& n) {
+  if (a.isPlane()) return gjk::fromPlane(a, b).distance;
+  if (b.isPlane()) return gjk::fromPlane(b, a).distance;
+  return dot(n, gjk::support(b, -n) - gjk::support(a, n)) - a.radius() - b.radius();
+}
+
+/// Bound of the acceleration of any point of the core by the rotation, times the square of the step [m].
+RUBBLE_HD inline double bend(const Placed& s, const SweptMotion& motion) {
+  return dot(motion.turn, motion.turn) * (length(Vec3d(s.shape.half)) + length(s.arm));
+}
+/// Least t in [0, 1] with gap + change t - bend t (1 - t) = 0, for a positive gap and bend >= 0; above 1:
+/// none.
+RUBBLE_HD inline double leastRoot(double bend, double change, double gap) {
+  const double slope = bend - change, inside = slope * slope - 4 * bend * gap;
+  return slope > 0 && inside >= 0 ? 2 * gap / (slope + std::sqrt(inside)) : kNoImpact;
+}
+
+/// Conservative advancement. Two bounds say how long the shapes cannot meet. One is the speed at which points
+/// approach along n, the other the gap along n at the end of their motions: in between, points deviate from a
+/// steady motion along n by no more than their accelerations allow.
 RUBBLE_HD inline TimeOfImpact timeOfImpact(const Placed& a, const SweptMotion& bodyA, const Placed& b,
                                            const SweptMotion& bodyB, double tolerance) {
   const SweptMotion motionA = motionOfSurface(a, bodyA), motionB = motionOfSurface(b, bodyB);
@@ -290,11 +312,18 @@ RUBBLE_HD inline TimeOfImpact timeOfImpact(const Placed& a, const SweptMotion& b
   TimeOfImpact m{0, separation(a, b)};
   for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {
     const SweptMotion nowA = motionFrom(motionA, m.fraction), nowB = motionFrom(motionB, m.fraction);
-    const double closing = dot(m.at.n, nowA.move - nowB.move) + turnReach(a, nowA, m.at.n) +
-                           turnReach(b, nowB, m.at.n);
-    const double end = nextEnd(motionA, motionB, m.fraction), safe = m.at.distance - tolerance / 2;
-    if (closing > 0 && m.fraction + safe / closing <= end)
-      m.fraction += safe / closing;
+    const Vec3d& n = m.at.n;
+    const double closing = dot(n, nowA.move - nowB.move) + turnReach(a, nowA, n) + turnReach(b, nowB, n);
+    const double end = nextEnd(motionA, motionB, m.fraction), left = end - m.fraction,
+                 safe = m.at.distance - tolerance / 2;
+    double next = closing > 0 ? m.fraction + safe / closing : kNoImpact;
+    if (next <= end) {
+      const double last = gapAlong(movedBy(a, motionA, end), movedBy(b, motionB, end), n);
+      next = max(next, m.fraction + left * leastRoot((bend(a, nowA) + bend(b, nowB)) * left * left / 2,
+                                                     last - m.at.distance, safe));
+    }
+    if (next <= end)
+      m.fraction = next;
     else if (end < 1)
       m.fraction = end;
     else
@@ -302,14 +331,6 @@ RUBBLE_HD inline TimeOfImpact timeOfImpact(const Placed& a, const SweptMotion& b
     m.at = separation(movedBy(a, motionA, m.fraction), movedBy(b, motionB, m.fraction));
   }
   return m;
-}
-
-/// Separation of two shapes along a unit vector from A to B [m]: at most their distance; negative: overlap
-/// along n.
-RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& n) {
-  if (a.isPlane()) return gjk::fromPlane(a, b).distance;
-  if (b.isPlane()) return gjk::fromPlane(b, a).distance;
-  return dot(n, gjk::support(b, -n) - gjk::support(a, n)) - a.radius() - b.radius();
 }
 
 /// Time of impact of A and B, which are already in contact along n. An impact is a penetration deeper than

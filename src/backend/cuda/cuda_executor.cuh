@@ -7,6 +7,7 @@
 #include "backend/cuda/aggregate_kernels.cuh"
 #include "backend/cuda/cluster_kernels.cuh"
 #include "backend/cuda/color_kernels.cuh"
+#include "backend/cuda/column_kernels.cuh"
 #include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/cuda_peers.h"
 #include "backend/cuda/pair_kernels.cuh"
@@ -203,6 +204,18 @@ class CudaExecutor : private ScanLauncher {
     launchNext(solveTrees, {n, kTreeThreads}, SolveTree::kStage, view(), Gate{control_});
   }
 
+  /// One block per column assembles and solves it.
+  void run(const AssembleColumns<Real>& kernel, int Counters::*n) {
+    if constexpr (kStrict) run<AssembleColumns<Real>>(kernel, n);
+  }
+  void run(const SolveColumns& kernel, int Counters::*n) {
+    if constexpr (kStrict) return run<SolveColumns>(kernel, n);
+    if (!begins()) return;
+    enterStage(SolveColumns::kStage);
+    launchNext(solveColumns, {2 * processors_ - 1, kColumnThreads}, SolveColumns::kStage, view(), counter(n),
+               Gate{control_});
+  }
+
   /// Several lanes share the search of one body where bodies do not fill the device.
   template <template <int> class ByTile, class Search> void search(const Search& kernel, int n) {
     withLanes<1, 2, 8>(lanesFor<1, 2, 8>(n, residentThreads()), [&]<int kLanes>() {
@@ -220,12 +233,18 @@ class CudaExecutor : private ScanLauncher {
   void run(const FindImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindGeneralImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindUnpairedImpacts& kernel, int Counters::*n) {
-    runRarely(SearchByTile<FindUnpairedImpacts, 8>{kernel}, n);
+    runRarely(SearchByTile<FindUnpairedImpacts, kWarp>{kernel}, n);
   }
   void run(const FindPairs<false>& kernel, int n) { search<FindPairsByTile>(kernel, n); }
 
   /// Stages in which a few elements have very many parts.
-  void run(const WritePairs<false>&, int n) { runByWarp(WritePairsByWarp{}, n); }
+  void run(const WritePairs<false>&, int n) {
+    // bodies of a warp with many partners take turns
+    withLanes<1, 8>(lanesFor<1, 8>(n, residentThreads()), [&]<int kLanes>() {
+      constexpr int kBodies = kWarp / kLanes;
+      run(WritePairsByWarp<kBodies>{}, (n + kBodies - 1) / kBodies);
+    });
+  }
   void run(const FindClashes&, int n) { runByWarp(FindClashesByWarp{}, n); }
   void run(const SortIncidences&, int n) {
     startList(highDegree_, SortIncidences::kStage);

@@ -97,13 +97,14 @@ class WarpCounter {
   const Tile<kWarp>& tile_;
 };
 
-/// WritePairs for 32 bodies, for worlds without shapes of several parts.
-struct WritePairsByWarp {
+/// WritePairs for kBodies bodies, for worlds without shapes of several parts.
+template <int kBodies> struct WritePairsByWarp {
   static constexpr const char* kStage = WritePairs<false>::kStage;
   static constexpr int kWidth = kWarp;
   __device__ void operator()(const SolverData& s, int warp, const Tile<kWidth>& tile) const {
-    const int i = warp * kWarp + tile.lane;
-    const bool on = i < s.bodies, many = on && s.pairOffset[i + 1] - s.pairOffset[i] > kPairSlots;
+    const int i = warp * kBodies + tile.lane;
+    const bool on = tile.lane < kBodies && i < s.bodies,
+               many = on && s.pairOffset[i + 1] - s.pairOffset[i] > kPairSlots;
     if (on && !many) WritePairs<false>{}(s, i);
     forEachOfWarp(tile, many, i, [&](int body) {
       Pair* const first = s.pair + s.pairOffset[body];

@@ -102,26 +102,49 @@ RUBBLE_HD inline bool movesInColumn(const SolverData& s, int body) {
   return s.columnLength[body] != 0 && columnBefore(s, body) != 0;
 }
 
-/// visit(own, other, force, k) for the rows of a contact: Jacobians of the body of the incidence and of the
-/// other one, force, and stiffness in the Hessian. The signs of both Jacobians are those of the former body.
-template <class Visit> RUBBLE_HD void visitLinkRows(const SolverData& s, std::uint32_t code, Visit&& visit) {
+/// Rows of a point in the Hessian: along the normal, along both tangents, and what the friction cone adds.
+inline constexpr int kLinkRows = 4;
+/// visit(row, own, other, force, k) for the rows of a point of a contact: Jacobians of the body of the
+/// incidence and of the other one, force, and stiffness in the Hessian. The signs of both Jacobians are those
+/// of the former body.
+template <class Visit>
+RUBBLE_HD void visitLinkRows(const SolverData& s, std::uint32_t code, int point, Visit&& visit) {
   const ContactRows& r = s.contact[constraintIndex(code)];
   const bool onA = constraintSide(code) == 0;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const ContactFrame<Real> f = contactFrame<Real>(r, lane);
-    const ContactForces<Real> o = contactForces(s.plan.coneHessian, f, s.dx[r.a], s.dx[r.b]);
-    const Vec3 &own = onA ? f.rA : f.rB, &other = onA ? f.rB : f.rA, e = o.t.e1 * f.t1 + o.t.e2 * f.t2;
-    const Real sign = onA ? Real(-1) : Real(1);
-    const auto row = [&](const Vec3& axis, Real force, Real k) {
-      if (force == Real(0) && k == Real(0)) return;
-      visit(longer({axis, cross(own, axis)}), longer({axis, cross(other, axis)}),
-            static_cast<double>(sign * force), static_cast<double>(k));
-    };
-    row(f.n, o.fN, f.load.w);
-    row(f.t1, o.t.f1, o.t.across);
-    row(f.t2, o.t.f2, o.t.across);
-    row(e, Real(0), o.t.excess);
+  const ContactFrame<Real> f = contactFrame<Real>(r, point);
+  const ContactForces<Real> o = contactForces(s.plan.coneHessian, f, s.dx[r.a], s.dx[r.b]);
+  const Vec3 &own = onA ? f.rA : f.rB, &other = onA ? f.rB : f.rA, e = o.t.e1 * f.t1 + o.t.e2 * f.t2;
+  const Real sign = onA ? Real(-1) : Real(1);
+  const auto row = [&](int number, const Vec3& axis, Real force, Real k) {
+    if (force == Real(0) && k == Real(0)) return;
+    visit(number, Vec6{axis, cross(own, axis)}, Vec6{axis, cross(other, axis)}, sign * force, k);
+  };
+  row(0, f.n, o.fN, f.load.w);
+  row(1, f.t1, o.t.f1, o.t.across);
+  row(2, f.t2, o.t.f2, o.t.across);
+  row(3, e, Real(0), o.t.excess);
+}
+/// The contact of a node with the previous (`way` -1) or the next one (1), if the column moves both.
+RUBBLE_HD inline std::uint32_t linkTo(const SolverData& s, int n, int way) {
+  const std::uint32_t code = way < 0 ? s.columnNode[n].previous : s.columnNode[n].next;
+  return code != kNoLink && movesInColumn(s, s.columnNode[n + way].body) ? code : kNoLink;
+}
+/// Adds to the block of a body that its column moves all but the contacts with such neighbors (linkTo()).
+template <class L> RUBBLE_HD void addOtherRows(const SolverData& s, const ColumnNode& node, ColumnWork& w) {
+  Block6 block;
+  PointSums<L> points;
+  startBlock(s, node.body, block);
+  for (int k = s.incidenceOffset[node.body]; k < s.incidenceOffset[node.body + 1]; ++k) {
+    const Incidence& incidence = s.incidence[k];
+    // a contact between bodies of columns counts twice (coarse.h)
+    const bool within = incidence.other >= 0 && movesInColumn(s, incidence.other);
+    const Real weight = within ? Real(2) : Real(1);
+    if (s.rolls) addRolling(s, incidence.code, block, weight);
+    if (!within || (incidence.code != node.previous && incidence.code != node.next))
+      points.add(s, incidence.code, weight);
   }
+  points.addTo(block);
+  addBlock(w.h, w.x, block);
 }
 
 /// The block of each body of a column, and its coupling with the next one.
@@ -135,27 +158,17 @@ template <class L> struct AssembleColumns {
       for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
       return;
     }
-    Block6 block;
-    PointSums<L> points;
-    startBlock(s, node.body, block);
-    for (int k = s.incidenceOffset[node.body]; k < s.incidenceOffset[node.body + 1]; ++k) {
-      const Incidence& incidence = s.incidence[k];
-      const bool both = incidence.other >= 0 && movesInColumn(s, incidence.other);
-      const Real weight = both ? Real(2) : Real(1);
-      if (s.rolls) addRolling(s, incidence.code, block, weight);
-      if (!both || (incidence.code != node.previous && incidence.code != node.next)) {
-        points.add(s, incidence.code, weight);
-        continue;
-      }
-      const bool toNext = incidence.code == node.next;
-      visitLinkRows(s, incidence.code, [&](const Long6& own, const Long6& next, double force, double k) {
-        addSquare(w.h, own, k);
-        if (toNext) addOuter(w.e, own, next, -k);
-        for (int j = 0; j < 6; ++j) w.x.v[j] += force * own.v[j];
-      });
+    for (int way = -1; way <= 1; way += 2) {
+      const std::uint32_t code = linkTo(s, n, way);
+      for (int point = 0; code != kNoLink && point < kLanes; ++point)
+        visitLinkRows(s, code, point, [&](int, const Vec6& ownRow, const Vec6& otherRow, Real force, Real k) {
+          const Long6 own = longer(ownRow);
+          addSquare(w.h, own, static_cast<double>(k));
+          if (way > 0) addOuter(w.e, own, longer(otherRow), -static_cast<double>(k));
+          for (int j = 0; j < 6; ++j) w.x.v[j] += static_cast<double>(force) * own.v[j];
+        });
     }
-    points.addTo(block);
-    addBlock(w.h, w.x, block);
+    addOtherRows<L>(s, node, w);
   }
 };
 
@@ -187,12 +200,16 @@ struct SolveColumns {
       if (!isFinite(dx.lin) || !isFinite(dx.ang)) return;
       turn = max(turn, length(dx.ang));
     }
-    const double share = turn > kLargestRotation ? static_cast<double>(kLargestRotation / turn) : 1;
-    for (int k = begin; k < end; ++k) move(s, s.columnNode[k].body, shorter(s.columnWork[k].x, share));
+    for (int k = begin; k < end; ++k) move(s, k, shareOf(turn));
   }
-  RUBBLE_HD static void move(const SolverData& s, int i, const Vec6& dx) {
+  /// Share of a Newton step whose largest rotation is `turn` [1].
+  RUBBLE_HD static double shareOf(Real turn) {
+    return turn > kLargestRotation ? static_cast<double>(kLargestRotation / turn) : 1;
+  }
+  RUBBLE_HD static void move(const SolverData& s, int n, double share) {
+    const int i = s.columnNode[n].body;
     if (!movesInColumn(s, i)) return;
-    const Pose x = retract({s.dx[i].dp, s.dq[i]}, dx);
+    const Pose x = retract({s.dx[i].dp, s.dq[i]}, shorter(s.columnWork[n].x, share));
     s.dq[i] = x.q;
     s.dx[i] = {x.p, 0, logRotation(x.q), 0};
   }
