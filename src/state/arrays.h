@@ -92,6 +92,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::islandRepair, "islandRepair", "m, s", Per::FreeIsland, Lifetime::Unordered);
   is(&SolverData::fast, "fast", "", Per::Body, Lifetime::Work);
   is(&SolverData::fastBody, "fastBody", "", Per::Body, Lifetime::Unordered);
+  is(&SolverData::searchedBody, "searchedBody", "", Per::Body, Lifetime::Unordered);
   is(&SolverData::nearSurface, "nearSurface", "", Per::Body, Lifetime::Work);
   is(&SolverData::bounceBody, "bounceBody", "", Per::Body, Lifetime::Work);
   is(&SolverData::bounceMotion, "bounceMotion", "m/s, rad/s", Per::Body, Lifetime::Work);

@@ -298,6 +298,7 @@ struct Counters {
   int aggregates, slices, boundary;
   int clashing, clashes, rounds;  ///< nodes that need a new color, color conflicts left, and coloring rounds
   int fastBodies;                 ///< those that need CCD: they move far, or are pressed into another
+  int searchedBodies;             ///< those of them that CCD searches for others without a pair
   int swept;                      ///< pairs to be tested by CCD: all, or none
   int stopped;                    ///< bodies whose motion CCD cut short
   int asleep;                     ///< bodies asleep after this step

@@ -127,8 +127,9 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<IslandSums> islandSums = nullptr;
   Array<IslandRepair> islandRepair = nullptr;
   Array<int> fast = nullptr;  ///< 1: CCD candidate: moves further than its thickness, or is pressed into a
-                              ///< rigid surface
+                              ///< rigid surface; kSearched: it is in searchedBody, too
   Array<int> fastBody = nullptr;      ///< CCD: the candidates, in no fixed order
+  Array<int> searchedBody = nullptr;  ///< CCD: those that search for others without a pair, in no fixed order
   Array<int> nearSurface = nullptr;   ///< 1: its corners may touch the surface of a deformable object
   Array<int> ccdShareBits = nullptr;  ///< CCD: share of the motion that is cut off, as the bits of a float
   Array<int> ccdSeenBits = nullptr;  ///< CCD: ccdShareBits as of the present round; for jointed bodies stored

@@ -28,6 +28,7 @@ class CudaExecutor : private ScanLauncher {
   CudaExecutor(DeviceTables& tables, cudaStream_t stream) : ScanLauncher(tables, stream) {
     count(&Counters::newPairs, Per::Pair), count(&Counters::tested, Per::ActivePair);
     bound(&Counters::swept, Per::Pair), bound(&Counters::fastBodies, Per::Body);
+    bound(&Counters::searchedBodies, Per::Body);
   }
   CudaExecutor(const CudaExecutor&) = delete;
   CudaExecutor& operator=(const CudaExecutor&) = delete;

@@ -11,6 +11,7 @@
 #include "collision/sweep.h"
 #include "stages/coarse/forest.h"
 #include "stages/contacts/one_way.h"
+#include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -30,6 +31,37 @@ inline constexpr Real kDeeperYet = Real(.2), kDeeperYetAtRest = Real(.02);
 /// Rows against a distance field have held a point if they leave it no deeper than this share of L [1].
 inline constexpr Real kHeldPoint = Real(.05);
 
+/// Bounding box of a body on a share of its motion, from `begin` to `end` [1].
+RUBBLE_HD inline Bounds boundsOfMotion(const SolverData& s, int i, Real begin, Real end) {
+  const BodyParams& p = s.params[i];
+  const Displacement& d = s.dx[i];
+  const Real turn = min(end * length(d.dw), Real(1)) * p.radius;
+  Bounds b{};
+  b.path = (end - begin) * d.dp;
+  b.center = Vec3(s.position[i]) + Real(.5) * (begin + end) * d.dp;
+  b.half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(b.path) + Vec3{turn, turn, turn};
+  b.level = -1;
+  return b;
+}
+
+/// Does the motion of a body lead to where the broad phase found no pairs? That is out of its box by more
+/// than the allowed penetration, or off its path by more than its radius (pathReach()).
+RUBBLE_HD inline bool leavesPath(const SolverData& s, int i, const Bounds& motion) {
+  const BodyParams& p = s.params[i];
+  const Bounds& b = s.bounds[i];
+  const Vec3 out = abs(motion.center - b.center) + motion.half - b.half, off = abs(motion.path - b.path);
+  const Real slack = max(ownMargin(s, p), kHeldDepth * innerRadiusOf(s.shapeTables(), p.shape));
+  return max(out.x, max(out.y, out.z)) > slack || max(off.x, max(off.y, off.z)) > p.radius;
+}
+
+/// Value of SolverData::fast of a body in the list of those that search for others without a pair.
+inline constexpr int kSearched = 2;
+RUBBLE_HD inline void listSearched(const SolverData& s, int i) {
+  if (s.fast[i] == kSearched || s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
+  s.fast[i] = kSearched;
+  s.searchedBody[atomicCount(&s.counters->searchedBodies, 1)] = i;
+}
+
 /// Flags and lists the bodies that moved far.
 struct FlagFast {
   static constexpr const char* kStage = "ccd";
@@ -47,6 +79,7 @@ struct FlagFast {
     s.fast[i] = 1;
     s.fastBody[atomicCount(&s.counters->fastBodies, 1)] = i;
     atomicRaise(&s.counters->swept, s.counters->pairs);
+    if (leavesPath(s, i, boundsOfMotion(s, i, 0, 1))) listSearched(s, i);
   }
 };
 
@@ -71,6 +104,16 @@ struct BeginCcdRound {
     if (bits <= s.ccdSeenBits[owner]) return;
     atomicRaise(&s.ccdSeenBits[owner], bits);
     s.ccdRound[owner] = round;
+  }
+};
+
+/// Lists the bodies that have been stopped in a round. By fast body.
+struct ListStopped {
+  static constexpr const char* kStage = "ccd";
+  int round;
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    const int i = s.fastBody[k];
+    if (s.ccdRound[ccdOwner(s, i)] == round) listSearched(s, i);
   }
 };
 

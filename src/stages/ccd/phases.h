@@ -17,10 +17,13 @@ template <Executor E> void stop(E& e) {
     forEachJoint<JoinCcdIslands>(e);
   }
   for (int round = 0; round < kCcdRounds; ++round) {
-    if (round > 0) e.forEach(BeginCcdRound{round}, &Counters::fastBodies);
+    if (round > 0) {
+      e.forEach(BeginCcdRound{round}, &Counters::fastBodies);
+      e.forEach(ListStopped{round}, &Counters::fastBodies);
+    }
     e.forEach(FindImpacts{round}, &Counters::swept);
     if (s.generalShapes) e.forEach(FindGeneralImpacts{round}, &Counters::swept);
-    e.beside(FindUnpairedImpacts{round}, &Counters::fastBodies);
+    e.beside(FindUnpairedImpacts{round}, &Counters::searchedBodies);
   }
   if (joints) {
     e.forEach(RaiseIslandShares{}, s.bodies);

@@ -3,32 +3,8 @@
 /// impact or a joint accelerates or stops them within it. The motion of such a body is swept against all
 /// bodies on its way with which it has no pair.
 #include "stages/ccd/general_impacts.h"
-#include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
-
-/// Bounding box of a body on a share of its motion, from `begin` to `end` [1].
-RUBBLE_HD inline Bounds boundsOfMotion(const SolverData& s, int i, Real begin, Real end) {
-  const BodyParams& p = s.params[i];
-  const Displacement& d = s.dx[i];
-  const Real turn = min(end * length(d.dw), Real(1)) * p.radius;
-  Bounds b{};
-  b.path = (end - begin) * d.dp;
-  b.center = Vec3(s.position[i]) + Real(.5) * (begin + end) * d.dp;
-  b.half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(b.path) + Vec3{turn, turn, turn};
-  b.level = -1;
-  return b;
-}
-
-/// Does the motion of a body lead to where the broad phase found no pairs? That is out of its box by more
-/// than the allowed penetration, or off its path by more than its radius (pathReach()).
-RUBBLE_HD inline bool leavesPath(const SolverData& s, int i, const Bounds& motion) {
-  const BodyParams& p = s.params[i];
-  const Bounds& b = s.bounds[i];
-  const Vec3 out = abs(motion.center - b.center) + motion.half - b.half, off = abs(motion.path - b.path);
-  const Real slack = max(ownMargin(s, p), kHeldDepth * innerRadiusOf(s.shapeTables(), p.shape));
-  return max(out.x, max(out.y, out.z)) > slack || max(off.x, max(off.y, off.z)) > p.radius;
-}
 
 /// Is there a pair of part `part` of a body and a part of another one in this step? Against a surface, any
 /// slot counts.
@@ -87,21 +63,19 @@ RUBBLE_HD inline Vec3d normalOf(const PlacedAny& part, const PlacedAny& other, c
   return isSurface(other.shape.kind) && part.shape.kind != ShapeKind::Distance ? -at.at.n : at.at.n;
 }
 
-/// By fast body: in the first round those that leave their paths search their way, in later ones those that
-/// have been stopped search where they stand.
+/// By searched body: in the first round they search their way, in later ones those that have been stopped
+/// search where they stand.
 struct FindUnpairedImpacts {
   static constexpr const char* kStage = "ccd";
   int round;
   RUBBLE_HD void operator()(const SolverData& s, int k) const { (*this)(s, k, 0, 1); }
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int k, int lane, int lanes) const {
-    const int i = s.fastBody[k];
-    if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
-    if (round > 0) {
-      if (s.ccdRound[ccdOwner(s, i)] == round) searchPlace(s, i, lane, lanes);
-    } else if (leavesPath(s, i, boundsOfMotion(s, i, 0, 1))) {
+    const int i = s.searchedBody[k];
+    if (round == 0)
       searchWayToStop(s, i, lane, lanes);
-    }
+    else if (s.ccdRound[ccdOwner(s, i)] == round)
+      searchPlace(s, i, lane, lanes);
   }
 
  private:
