@@ -27,7 +27,7 @@ enum class PeerList {
   Bodies,
   Ghosts,        ///< bodies of others that it sees
   SeenBodies,    ///< its own, then ghosts
-  SharedBodies,  ///< its own that others see
+  SharedBodies,  ///< its own that others see or solve
   Slices,
   SeenSlices,
   MixedSlices,  ///< seen ones of mixed aggregates
@@ -202,7 +202,8 @@ RUBBLE_HD inline PeerEnds endsOfManifold(const SolverData& s, int i) {
   return endsOfPair(s.pair[s.activePair[i]]);
 }
 RUBBLE_HD inline PeerEnds endsOfRow(const SolverData& s, int row) {
-  return endsOfManifold(s, s.rowBodies[row].manifold);
+  const RowBodies& r = s.rowBodies[row];
+  return {2, {r.a, r.b, -1, -1}};
 }
 
 /// Predicates of the lists, and the owner of an element. Those with `of` select from another list: of(k) is
@@ -262,7 +263,9 @@ struct Ghost {
 /// Of its own bodies.
 struct SharedBody {
   PeerData p;
-  RUBBLE_HD bool operator()(const SolverData&, int i) const { return p.seenBy[i] != 0; }
+  RUBBLE_HD bool operator()(const SolverData&, int i) const {
+    return p.seenBy[i] != 0 || p.owner[i] == kEveryPeer;
+  }
   RUBBLE_HD int of(const SolverData&, int i) const { return i; }
 };
 struct OwnSlice {

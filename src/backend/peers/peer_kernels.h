@@ -16,6 +16,14 @@ struct PeerPost : PeerKernel {
   static constexpr bool kPosts = true;
 };
 
+/// This rank needs the pose of a body, or of those of a constraint.
+RUBBLE_HD inline void see(const SolverData& s, const PeerData& p, int body) {
+  if (body >= 0 && body < s.bodies && !p.isMine(p.owner[body])) p.sightOf(p.rank, body) = 1;
+}
+RUBBLE_HD inline void see(const SolverData& s, const PeerData& p, const PeerEnds& ends) {
+  for (int k = 0; k < ends.count; ++k) see(s, p, ends.body[k]);
+}
+
 // Contacts.
 
 /// Near pairs.
@@ -43,7 +51,9 @@ struct FindRowBodies : PeerKernel {
 /// Own rows.
 struct ShareJoinLevel : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int row) const {
-    if (ownerOf(p, endsOfRow(s, row)) != p.rank) return;
+    const PeerEnds ends = endsOfRow(s, row);
+    see(s, p, ends);
+    if (ownerOf(p, ends) != p.rank) return;
     forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.joinLevel[row], s.joinLevel[row]); });
   }
 };
@@ -69,9 +79,6 @@ struct FindSliceOwners : PeerKernel {
     p.sliceOwner[i] = node < s.bodies ? p.owner[node] : kEveryPeer;
   }
 };
-RUBBLE_HD inline void see(const SolverData& s, const PeerData& p, int body) {
-  if (body >= 0 && body < s.bodies && !p.isMine(p.owner[body])) p.sightOf(p.rank, body) = 1;
-}
 /// For own slices: sees their bodies and the bodies of their boundary constraints, and marks the
 /// constraints that act on no body of this rank.
 struct SeeSlices : PeerKernel {
@@ -93,23 +100,24 @@ struct SeeSlices : PeerKernel {
   RUBBLE_HD void seeConstraint(const SolverData& s, std::uint32_t code) const {
     if (constraintType(code) == kContactType) {
       const int row = constraintIndex(code);
-      see(s, p, s.rowBodies[row].a), see(s, p, s.rowBodies[row].b);
-      if (!actsHere(p, endsOfRow(s, row))) p.extraRow[row] = 1;
+      const PeerEnds ends = endsOfRow(s, row);
+      see(s, p, ends);
+      if (!actsHere(p, ends)) p.extraRow[row] = 1;
       return;
     }
     forEachType(JointTypes{}, [&]<class F>() {
       constexpr int kType = typeIndex<F>(JointTypes{});
       if (constraintType(code) != kType + 1) return;
       const PeerEnds ends = endsOfJoint<F>(s, jointIndex<F>(code));
-      for (int side = 0; side < ends.count; ++side) see(s, p, ends.body[side]);
+      see(s, p, ends);
       if (!actsHere(p, ends)) p.extraJoint[kType][jointIndex<F>(code)] = 1;
     });
   }
 };
-/// The neighbors of own bodies.
-struct SeeNeighbors : PeerKernel {
+/// The bodies of own joints. Those of own rows are seen by ShareJoinLevel.
+template <class F> struct SeeJoints : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) see(s, p, s.incidence[k].other);
+    if (s.jointsOf<F>()[i].active) see(s, p, endsOfJoint<F>(s, i));
   }
 };
 /// After they are listed.
@@ -195,13 +203,14 @@ struct BeginAggregateSight : PeerKernel {
     p.sees[i] = p.mixed[i] = s.aggregate[i].soft != 0;
   }
 };
-/// By slice: another rank has its sum.
+/// By slice: this rank or another one has its sum.
 struct MixSlices : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.isMine(p.sliceOwner[i])) p.sees[s.slice[i].aggregate] = 1;
     if (p.sliceOwner[i] != p.rank) p.mixed[s.slice[i].aggregate] = 1;
   }
 };
-/// Own bodies and ghosts. A body of another rank that is no ghost lies in a slice of another rank.
+/// Ghosts and shared bodies. The owner of a slice sees its bodies, so all other own bodies lie in own slices.
 struct SeeAggregates : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int body) const {
     const bool mixed = p.owner[body] != p.rank || p.seenBy[body] != 0;

@@ -103,8 +103,8 @@ template <class M> void plan(M& m) {
       m.eachOf(listOfJoints<F>(PeerJoints::Extra), ForgetExtraJoints<F>{{p}});
     }
     m.join(listOfJoints<F>(PeerJoints::All), listOfJoints<F>(PeerJoints::Extra));
+    m.eachOf(listOfJoints<F>(PeerJoints::Own), SeeJoints<F>{{p}});
   });
-  m.eachOf(PeerList::Bodies, SeeNeighbors{{p}});
   m.select(PeerList::Ghosts, Ghost{p}, s.bodies);
   if (coarse) {
     m.eachOf(PeerList::ExtraRows, AskExtraRows{{{p}}});
@@ -125,7 +125,8 @@ template <class M> void plan(M& m) {
   m.join(PeerList::SeenBodies, PeerList::Ghosts);
   m.each(BeginAggregateSight{{p}}, &Counters::aggregates);
   m.each(MixSlices{{p}}, &Counters::slices);
-  m.eachOf(PeerList::SeenBodies, SeeAggregates{{p}});
+  m.eachOf(PeerList::SharedBodies, SeeAggregates{{p}});
+  m.eachOf(PeerList::Ghosts, SeeAggregates{{p}});
   m.select(PeerList::SeenSlices, SeenSlice{p}, &Counters::slices);
   m.select(PeerList::MixedSlices, MixedSlice{p}, &Counters::slices);
   m.select(PeerList::SentSlices, SentSlice{p}, &Counters::slices);
