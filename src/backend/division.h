@@ -11,6 +11,7 @@ enum class Cut {
   Whole,
   Pairs,            ///< broad-phase pairs that touch a body of the rank
   ActivePairs,      ///< the same, of the active pairs
+  JoinedRows,       ///< contact rows of its bodies, and those between bodies of two other ranks
   Tested,           ///< the list `tested`, which is of this rank already
   Rows,             ///< contact rows that the rank evaluates: of its bodies and of its slices
   OwnRows,          ///< contact rows of its bodies
@@ -35,6 +36,8 @@ enum class Share {
   Activity,    ///< `isActive` of all pairs
   Touches,     ///< `hasRows` of all active pairs
   Rows,        ///< `rowBodies` and `joinLevel` of all rows
+  Roots,       ///< roots of aggregates of a level, which each rank has found from its rows
+  Boundary,    ///< `boundaryCount` of all slices
   SliceSums,   ///< sums of the slices of a level, to the ranks that see a body of their aggregates
   ColorPoses,  ///< poses of the bodies of a color, to the ranks that see them
   NodePoses,   ///< poses of other bodies of slices, to the ranks that own the slices
@@ -118,9 +121,13 @@ template <> struct Divided<InLevel<MoveTrees>> : DividedLevel {
   static constexpr Share kAfter = Share::TreePoses;
 };
 // aggregates
+template <> struct Divided<JoinAggregates<ContactBlocks>> : DividedBy<Cut::JoinedRows> {};
+template <> struct Divided<FlattenAggregates> : DividedBy<Cut::Whole, Share::Roots> {
+  static int which(const FlattenAggregates& kernel) { return kernel.level; }
+};
 template <> struct Divided<SumInertia> : DividedBy<Cut::SeenSlices> {};
 template <> struct Divided<PlaceAggregates> : DividedBy<Cut::SeenAggregates> {};
-template <> struct Divided<CountBoundary> : DividedBy<Cut::Slices> {};
+template <> struct Divided<CountBoundary> : DividedBy<Cut::Slices, Share::None, Share::Boundary> {};
 template <> struct Divided<FillBoundary> : DividedBy<Cut::Slices> {};
 template <class L>
 struct Divided<SumSlice<L>> : DividedBy<Cut::LevelSlices, Share::NodePoses, Share::SliceSums> {};

@@ -376,7 +376,9 @@ class CudaExecutor : private ScanLauncher {
     peers_->share(D::kBefore, which);
     if constexpr (D::kCut == Cut::ActivePairs) peers_->listActivePairs();
     if constexpr (D::kCut > Cut::Tested) peers_->plan();
-    if constexpr (D::kCut == Cut::Pairs)
+    if constexpr (D::kCut == Cut::JoinedRows)
+      runList(kernel, PeerList::JoinedRows, n);
+    else if constexpr (D::kCut == Cut::Pairs)
       runList(kernel, PeerList::Pairs, n);
     else if constexpr (D::kCut == Cut::ActivePairs)
       runList(kernel, PeerList::ActivePairs, n);
@@ -389,7 +391,7 @@ class CudaExecutor : private ScanLauncher {
     else if constexpr (std::same_as<Kernel, SumInertia>)
       runList(SumInertiaByTile{tree()}, PeerList::SeenSlices, n);
     else if constexpr (std::same_as<Kernel, CountBoundary>)
-      run(kernel, n);  // room for the constraints of all slices, so that tables of all devices grow alike
+      runList(kernel, PeerList::Slices, n);
     else if constexpr (std::same_as<Kernel, FillBoundary>)
       startList(longSlices_, FillBoundary::kStage),
           runList(FillBoundaryByTile{listOf(longSlices_)}, PeerList::Slices, n);

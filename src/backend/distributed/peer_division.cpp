@@ -54,6 +54,7 @@ void PeerDivision::fit() {
   size(moves_, bodies, data_.moves), size(movesBefore_, bodies, data_.movesBefore);
   size(seen_, bodies * static_cast<std::size_t>(data_.ranks), data_.seen);
   size(seenBy_, bodies, data_.seenBy);
+  size(sharedRoot_, bodies * kCoarseLevels, data_.sharedRoot);
   size(sliceOwner_, static_cast<std::size_t>(s.counters->slices), data_.sliceOwner);
   size(sees_, static_cast<std::size_t>(s.counters->aggregates), data_.sees);
   size(mixed_, static_cast<std::size_t>(s.counters->aggregates), data_.mixed);
@@ -147,6 +148,8 @@ Division::Part PeerDivision::part(Cut cut, int n, int which) {
     case Cut::ActivePairs:
       if (!std::exchange(activeListed_, true)) peers::listActivePairs(*this);
       return partOf(PeerList::ActivePairs);
+    case Cut::JoinedRows:
+      return partOf(PeerList::JoinedRows);
     case Cut::Rows:
       return partOf(PeerList::Rows);
     case Cut::OwnRows:
@@ -154,8 +157,6 @@ Division::Part PeerDivision::part(Cut cut, int n, int which) {
     case Cut::Bodies:
       return partOf(PeerList::Bodies);
     case Cut::Slices:
-      // room for the constraints of all slices, so that tables grow alike
-      for (int i = 0; i < n; ++i) CountBoundary{}(s, i);
       return partOf(PeerList::Slices);
     case Cut::LevelSlices:
       return partOf(lists_[static_cast<int>(PeerList::Slices)], [&](int i) { return levelOf(i) == which; });

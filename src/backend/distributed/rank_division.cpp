@@ -9,6 +9,7 @@ namespace rubble::RUBBLE_CORE {
 Division::Part RankDivision::part(Cut cut, int n, int which) {
   switch (cut) {
     case Cut::Whole:
+    case Cut::JoinedRows:  // each rank joins all rows
       return {nullptr, n, n};
     case Cut::Pairs:
       return pairs_.part();
@@ -97,6 +98,8 @@ void RankDivision::share(Share what, int which) {
   const SolverData& s = data();
   switch (what) {
     case Share::None:
+    case Share::Roots:
+    case Share::Boundary:
       return;
     case Share::Owners:
       return beginStep();

@@ -22,6 +22,8 @@ enum class PeerList {
   Pairs,           ///< near pairs
   ActivePairs,     ///< of these, the active ones
   OwnRows,         ///< of these, the rows
+  CrossRows,       ///< rows between bodies of two other ranks
+  JoinedRows,      ///< own rows, then cross rows; only until extra rows are listed
   ExtraRows,       ///< rows evaluated for its slices alone
   Rows,            ///< own rows, then extra ones
   Bodies,
@@ -47,7 +49,7 @@ template <class F> constexpr PeerList listOfJoints(PeerJoints kind) {
 }
 /// The list that a list begins with, in the same memory; itself for most.
 constexpr PeerList beginningOf(PeerList list) {
-  if (list == PeerList::Rows) return PeerList::OwnRows;
+  if (list == PeerList::Rows || list == PeerList::JoinedRows) return PeerList::OwnRows;
   if (list == PeerList::SeenBodies) return PeerList::Bodies;
   const int joint = static_cast<int>(list) - static_cast<int>(PeerList::FirstJoint);
   if (joint >= 0 && joint % kPeerJointLists == static_cast<int>(PeerJoints::All))
@@ -87,6 +89,9 @@ struct PeerData {
   std::uint8_t *moves = nullptr, *movesBefore = nullptr;  ///< [bodies] 1: dynamic, asleep or not
   std::uint8_t* seen = nullptr;  ///< [ranks][bodies] 1: that rank needs the pose; rows of others: own bodies
   unsigned* seenBy = nullptr;    ///< [bodies] of own bodies: bit r: rank r sees it
+  /// [levels][bodies] of bodies of others, whose owner stores it: 1 + a body that its rows unite with this
+  /// one at a level of aggregates. 0 between exchanges, and if there is none.
+  int* sharedRoot = nullptr;
   int* sliceOwner = nullptr;     ///< [slices]
   std::uint8_t* sees = nullptr;  ///< [aggregates] 1: it moves a body that this rank sees
   /// [aggregates] 1: other ranks have a slice of it or see a body that it moves. Sums of all others stay
@@ -107,6 +112,10 @@ struct PeerData {
   RUBBLE_HD std::uint8_t& sightOf(int of, int body) const {
     return seen[static_cast<std::size_t>(of) * static_cast<std::size_t>(stride) +
                 static_cast<std::size_t>(body)];
+  }
+  RUBBLE_HD int& sharedRootOf(int level, int body) const {
+    return sharedRoot[static_cast<std::size_t>(level) * static_cast<std::size_t>(stride) +
+                      static_cast<std::size_t>(body)];
   }
   RUBBLE_HD std::uint8_t* askersOf(int row) const {
     return rowAskers + static_cast<std::size_t>(row) * static_cast<std::size_t>(ranks);
@@ -228,6 +237,13 @@ struct NearActivePair {
 struct NearRow {
   RUBBLE_HD bool operator()(const SolverData& s, int i) const { return s.hasRows[i] != 0; }
   RUBBLE_HD int of(const SolverData& s, int i) const { return s.rowOffset[i]; }
+};
+struct CrossRow {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int row) const {
+    const auto [a, b, manifold] = s.rowBodies[row];
+    return p.moves[a] && p.moves[b] && p.owner[a] != p.owner[b] && !actsHere(p, endsOfRow(s, row));
+  }
 };
 struct ExtraRow {
   PeerData p;

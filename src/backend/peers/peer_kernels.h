@@ -69,6 +69,31 @@ struct TakeWhetherBouncing : PeerKernel {
   }
 };
 
+// Aggregates. Each rank joins its rows, and then the sets that others have found. A row between two ranks
+// may lead farther on both sides, so a third one joins it, too.
+
+/// Own bodies whose set has grown at this level.
+struct ShareRoots : PeerPost {
+  int level;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.owner[i] != p.rank) return;
+    const int root = findRoot(s.root + atLevel(s, level, 0), i),
+              before = level == 0 ? i : s.aggregateOf[atLevel(s, level - 1, i)];
+    if (root == before) return;
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.p.sharedRootOf(level, i), root + 1); });
+  }
+};
+struct JoinSharedRoots : PeerKernel {
+  int level;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.isMine(p.owner[i])) return;
+    const int root = p.sharedRootOf(level, i) - 1;
+    if (root < 0) return;
+    unite(s.root + atLevel(s, level, 0), i, root);
+    p.sharedRootOf(level, i) = 0;
+  }
+};
+
 // What a rank evaluates and sees.
 
 /// A slice belongs to the owner of its middle node. That rank evaluates all of its constraints.
@@ -220,6 +245,14 @@ struct SeeAggregates : PeerKernel {
       p.sees[aggregate] = 1;
       if (mixed) p.mixed[aggregate] = 1;
     }
+  }
+};
+
+/// Own slices: tables of all ranks grow alike if all count the constraints of all slices.
+struct ShareBoundary : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.sliceOwner[i] != p.rank) return;
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.boundaryCount[i], s.boundaryCount[i]); });
   }
 };
 

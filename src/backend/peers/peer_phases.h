@@ -79,6 +79,23 @@ template <class M> void shareRows(M& m) {
   if (m.tables().bounces) m.each(ShareWhetherBouncing{{{p}}}, 1);
   m.barrier();
   if (m.tables().bounces) m.each(TakeWhetherBouncing{{p}}, 1);
+  if (!m.tables().plan.coarseCorrection) return;
+  // with two ranks there are no others
+  if (p.ranks > 2) m.select(PeerList::CrossRows, CrossRow{p}, &Counters::manifolds);
+  m.join(PeerList::JoinedRows, PeerList::CrossRows);
+}
+
+/// Each level has its own memory, which only the exchange of the same level in the step before has read.
+template <class M> void shareRoots(M& m, int level) {
+  const PeerData p = m.data();
+  m.each(ShareRoots{{{p}}, level}, m.tables().bodies);
+  m.barrier();
+  m.each(JoinSharedRoots{{p}, level}, m.tables().bodies);
+}
+/// Counts of slices: the last reader is in the step before.
+template <class M> void shareBoundary(M& m) {
+  m.eachOf(PeerList::Slices, ShareBoundary{{{m.data()}}});
+  m.barrier();
 }
 
 /// What this rank evaluates and sees in the iterations. Asks for rows and joints of slices at a border, which
@@ -201,6 +218,10 @@ template <class M> void share(M& m, Share what, int which) {
       return shareTouches(m);
     case Share::Rows:
       return shareRows(m);
+    case Share::Roots:
+      return shareRoots(m, which);
+    case Share::Boundary:
+      return shareBoundary(m);
     case Share::SliceSums:
       return shareSums(m, which);
     case Share::TreePoses:
