@@ -376,22 +376,12 @@ class CudaExecutor : private ScanLauncher {
     peers_->share(D::kBefore, which);
     if constexpr (D::kCut == Cut::ActivePairs) peers_->listActivePairs();
     if constexpr (D::kCut > Cut::Tested) peers_->plan();
-    if constexpr (D::kCut == Cut::JoinedRows)
-      runList(kernel, PeerList::JoinedRows, n);
-    else if constexpr (D::kCut == Cut::Pairs)
-      runList(kernel, PeerList::Pairs, n);
-    else if constexpr (D::kCut == Cut::ActivePairs)
-      runList(kernel, PeerList::ActivePairs, n);
-    else if constexpr (D::kCut == Cut::Rows)
-      runList(kernel, PeerList::Rows, n);
-    else if constexpr (D::kCut == Cut::OwnRows)
-      runList(kernel, PeerList::OwnRows, n);
-    else if constexpr (D::kCut == Cut::Bodies)
-      runList(kernel, PeerList::Bodies, n);
+    if constexpr (std::same_as<Kernel, FindActivePairs>)
+      peers_->withStores<ShareActivity>(kernel, [&](const auto& k) { runList(k, PeerList::Pairs, n); });
+    else if constexpr (std::same_as<Kernel, TestNewPairs>)
+      peers_->withStores<ShareNewActivity>(kernel, [&](const auto& k) { run(k, n); });
     else if constexpr (std::same_as<Kernel, SumInertia>)
       runList(SumInertiaByTile{tree()}, PeerList::SeenSlices, n);
-    else if constexpr (std::same_as<Kernel, CountBoundary>)
-      runList(kernel, PeerList::Slices, n);
     else if constexpr (std::same_as<Kernel, FillBoundary>)
       startList(longSlices_, FillBoundary::kStage),
           runList(FillBoundaryByTile{listOf(longSlices_)}, PeerList::Slices, n);
@@ -399,6 +389,8 @@ class CudaExecutor : private ScanLauncher {
       runList(kernel, listOfJoints(PeerJoints::All, which), n, view().joints[which]);
     else if constexpr (D::kCut == Cut::OwnJoints)
       runList(kernel, listOfJoints(PeerJoints::Own, which), n, view().joints[which]);
+    else if constexpr (peerListOf(D::kCut) != PeerList::FirstJoint)
+      runList(kernel, peerListOf(D::kCut), n);
     else if constexpr (!std::same_as<Kernel, PlaceAggregates>)
       run(kernel, n);  // trees of others count as converged
     peers_->share(D::kAfter, which);

@@ -143,25 +143,19 @@ Division::Part PeerDivision::part(Cut cut, int n, int which) {
     case Cut::Whole:
     case Cut::Tested:  // this rank lists near pairs only
       return {nullptr, n, n};
-    case Cut::Pairs:
-      return partOf(PeerList::Pairs);
     case Cut::ActivePairs:
       if (!std::exchange(activeListed_, true)) peers::listActivePairs(*this);
-      return partOf(PeerList::ActivePairs);
+      [[fallthrough]];
+    case Cut::Pairs:
     case Cut::JoinedRows:
-      return partOf(PeerList::JoinedRows);
     case Cut::Rows:
-      return partOf(PeerList::Rows);
     case Cut::OwnRows:
-      return partOf(PeerList::OwnRows);
     case Cut::Bodies:
-      return partOf(PeerList::Bodies);
     case Cut::Slices:
-      return partOf(PeerList::Slices);
+    case Cut::SeenSlices:
+      return partOf(peerListOf(cut));
     case Cut::LevelSlices:
       return partOf(lists_[static_cast<int>(PeerList::Slices)], [&](int i) { return levelOf(i) == which; });
-    case Cut::SeenSlices:
-      return partOf(PeerList::SeenSlices);
     case Cut::LevelMoves:
       return partOf(lists_[static_cast<int>(PeerList::SeenSlices)], [&](int i) {
         return levelOf(i) == which &&

@@ -30,6 +30,7 @@ class PeerDivision final : public WorldDivision {
 
   // The machine of peer_phases.h.
   static constexpr bool kCountsNear = false;
+  static constexpr bool storesAtOnce() { return false; }
   const SolverData& tables() const { return tables_.view(); }
   const PeerData& data() const { return data_; }
   template <class Kernel> void each(const Kernel& kernel, int n) {

@@ -6,8 +6,8 @@
 /// store, except where they store what is there already (peer_phases.h names the reason at each exchange).
 /// Where the memory of another rank is out of reach, the stores are letters (peer_letters.h), which the
 /// barrier brings.
+#include "backend/division.h"
 #include "backend/peers/peer_letters.h"
-#include "stages/step.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -46,6 +46,29 @@ constexpr PeerList listOfJoints(PeerJoints kind, int type) {
 }
 template <class F> constexpr PeerList listOfJoints(PeerJoints kind) {
   return listOfJoints(kind, typeIndex<F>(JointTypes{}));
+}
+/// The list of the elements of a cut. FirstJoint: there is none, or it depends on more than the cut.
+constexpr PeerList peerListOf(Cut cut) {
+  switch (cut) {
+    case Cut::Pairs:
+      return PeerList::Pairs;
+    case Cut::ActivePairs:
+      return PeerList::ActivePairs;
+    case Cut::JoinedRows:
+      return PeerList::JoinedRows;
+    case Cut::Rows:
+      return PeerList::Rows;
+    case Cut::OwnRows:
+      return PeerList::OwnRows;
+    case Cut::Bodies:
+      return PeerList::Bodies;
+    case Cut::Slices:
+      return PeerList::Slices;
+    case Cut::SeenSlices:
+      return PeerList::SeenSlices;
+    default:
+      return PeerList::FirstJoint;
+  }
 }
 /// The list that a list begins with, in the same memory; itself for most.
 constexpr PeerList beginningOf(PeerList list) {

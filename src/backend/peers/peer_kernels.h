@@ -24,6 +24,15 @@ RUBBLE_HD inline void see(const SolverData& s, const PeerData& p, const PeerEnds
   for (int k = 0; k < ends.count; ++k) see(s, p, ends.body[k]);
 }
 
+/// A kernel whose elements then store what they have computed into the tables of others. Stores wait for
+/// the connection, and the kernel for memory: together they take the time of the longer one.
+template <class Kernel, class Stores> struct Storing {
+  static constexpr const char* kStage = Kernel::kStage;
+  Kernel kernel;
+  Stores stores;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { kernel(s, i), stores(s, i); }
+};
+
 // Contacts.
 
 /// Near pairs.
@@ -32,6 +41,10 @@ struct ShareActivity : PeerPost {
     if (NearPair{p}.ownerOf(s, k) != p.rank) return;
     forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.isActive[k], s.isActive[k]); });
   }
+};
+/// New near pairs.
+struct ShareNewActivity : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int t) const { ShareActivity{{{p}}}(s, s.newPair[t]); }
 };
 /// Near active pairs.
 struct ShareTouches : PeerPost {

@@ -149,7 +149,8 @@ RUBBLE_HD inline bool migrates(const PeerData& p, const PeerEnds& ends) {
 struct MigratingPair {
   PeerData p;
   RUBBLE_HD bool operator()(const SolverData& s, int k) const {
-    return migrates(p, endsOfPair(s.oldPair[k]));
+    // in most steps no body has a new owner, and no pair is read
+    return p.cut->changed != 0 && migrates(p, endsOfPair(s.oldPair[k]));
   }
 };
 /// To all ranks.

@@ -13,6 +13,7 @@
 ///   barrier()                 waits for all ranks; what was stored before it is visible after it
 ///   barrierIf(counter)        the same if the counter is not zero. It is equal on all ranks.
 ///   kCountsNear               counters count near elements, and not only those that this rank counts
+///   storesAtOnce()            kernels of the step store what they compute (Storing), where that is possible
 ///
 /// A rank may be one interval between barriers ahead of another. Each exchange says why nobody reads in the
 /// interval what it stores. Kernels that store (kPosts) come last before a barrier: where letters lack room,
@@ -60,7 +61,7 @@ template <class M> void beginStep(M& m) {
 
 /// Flags of pairs and manifolds: the last reader is in the step before.
 template <class M> void shareActivity(M& m) {
-  m.eachOf(PeerList::Pairs, ShareActivity{{{m.data()}}});
+  if (!m.storesAtOnce()) m.eachOf(PeerList::Pairs, ShareActivity{{{m.data()}}});
   m.barrier();
 }
 template <class M> void listActivePairs(M& m) {
