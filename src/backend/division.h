@@ -9,6 +9,7 @@ namespace rubble::RUBBLE_CORE {
 /// The elements that a rank runs.
 enum class Cut {
   Whole,
+  Homes,            ///< a range of all bodies, near to its own ones
   Pairs,            ///< broad-phase pairs that touch a body of the rank
   ActivePairs,      ///< the same, of the active pairs
   JoinedRows,       ///< contact rows of its bodies, and those between bodies of two other ranks
@@ -32,7 +33,11 @@ enum class Cut {
 /// What ranks exchange.
 enum class Share {
   None,
-  Owners,      ///< begins a step: owners of bodies, and old manifolds for new owners
+  Homes,       ///< begins a step: ranges of bodies
+  Found,       ///< partners that a rank has found for bodies of other ranges
+  PairCounts,  ///< `pairCount` of all bodies
+  Partners,    ///< all pairs
+  Owners,      ///< owners of bodies, and old manifolds for new owners
   Activity,    ///< `isActive` of all pairs
   Touches,     ///< `hasRows` of all active pairs
   Rows,        ///< `rowBodies` and `joinLevel` of all rows
@@ -89,6 +94,13 @@ struct DividedLevel : DividedBy<Cut::LevelNodes> {
   template <class Kernel> static int which(const InLevel<Kernel>& kernel) { return kernel.begin; }
 };
 
+// broad phase
+template <> struct Divided<FindNeighbors> : DividedBy<Cut::Homes, Share::Homes> {};
+template <> struct Divided<FindPathNeighbors> : DividedBy<Cut::Homes> {};
+template <bool kParts>
+struct Divided<FindPairs<kParts>> : DividedBy<Cut::Homes, Share::Found, Share::PairCounts> {};
+template <bool kParts>
+struct Divided<WritePairs<kParts>> : DividedBy<Cut::Homes, Share::None, Share::Partners> {};
 // contacts
 template <> struct Divided<FindImpactSpeedBounds> : DividedBy<Cut::Whole, Share::Owners> {};
 template <> struct Divided<FindActivePairs> : DividedBy<Cut::Pairs> {};

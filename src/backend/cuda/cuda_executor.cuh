@@ -376,7 +376,11 @@ class CudaExecutor : private ScanLauncher {
     peers_->share(D::kBefore, which);
     if constexpr (D::kCut == Cut::ActivePairs) peers_->listActivePairs();
     if constexpr (D::kCut > Cut::Tested) peers_->plan();
-    if constexpr (std::same_as<Kernel, FindActivePairs>)
+    if constexpr (std::same_as<Kernel, WritePairs<false>>)
+      runByWarp(WritePairsByWarp{peers_->data().home()}, n);
+    else if constexpr (D::kCut == Cut::Homes)
+      run(AtHome<Kernel>{kernel, peers_->data().home()}, n);
+    else if constexpr (std::same_as<Kernel, FindActivePairs>)
       peers_->withStores<ShareActivity>(kernel, [&](const auto& k) { runList(k, PeerList::Pairs, n); });
     else if constexpr (std::same_as<Kernel, TestNewPairs>)
       peers_->withStores<ShareNewActivity>(kernel, [&](const auto& k) { run(k, n); });

@@ -94,6 +94,16 @@ struct SeeSlicesByTile {
 };
 template <> struct OnDevice<SeeSlices> { using Type = SeeSlicesByTile; };
 
+/// Adds to counters of other devices.
+struct GivePartnersAcross {
+  static constexpr const char* kStage = GivePartners::kStage;
+  GivePartners give;
+  __device__ void operator()(const SolverData& s, int i) const {
+    give.give(s, i, [](int* counter, int n) { return atomicAdd_system(counter, n); });
+  }
+};
+template <> struct OnDevice<GivePartners> { using Type = GivePartnersAcross; };
+
 /// Lanes share the motion of a body so that those of a warp fill whole lines: stores of a few bytes each
 /// take as long on the connection as whole lines.
 struct ShareMotionByTile {

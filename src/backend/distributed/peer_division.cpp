@@ -61,6 +61,7 @@ void PeerDivision::fit() {
   size(extraRow_, static_cast<std::size_t>(s.counters->manifolds), data_.extraRow);
   // others store into these
   const std::size_t ranks = static_cast<std::size_t>(data_.ranks);
+  size(sharedPartner_, capacity(Per::Pair), data_.sharedPartner);
   size(rowAskers_, capacity(Per::Manifold) * ranks, data_.rowAskers);
   for (int type = 0; type < JointTypes::kSize; ++type) {
     size(extraJoint_[type], static_cast<std::size_t>(s.joints[type]), data_.extraJoint[type]);
@@ -143,6 +144,8 @@ Division::Part PeerDivision::part(Cut cut, int n, int which) {
     case Cut::Whole:
     case Cut::Tested:  // this rank lists near pairs only
       return {nullptr, n, n};
+    case Cut::Homes:
+      return partBy(n, [&](int i) { return data_.home().has(i); });
     case Cut::ActivePairs:
       if (!std::exchange(activeListed_, true)) peers::listActivePairs(*this);
       [[fallthrough]];
@@ -209,7 +212,7 @@ void PeerDivision::plan() {
 
 void PeerDivision::share(Share what, int which) {
   if (what == Share::None) return;
-  if (what == Share::Owners) {
+  if (what == Share::Homes) {
     planned_ = activeListed_ = summed_ = atRest_ = false;
     for (List& list : lists_) list.index.clear(), list.other.clear();
     std::ranges::fill(listed_, 0);

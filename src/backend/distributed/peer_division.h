@@ -92,7 +92,7 @@ class PeerDivision final : public WorldDivision {
   PeerCut cut_{};
   std::vector<PeerRank> ranks_;
   std::vector<PeerSums> sums_;
-  std::vector<int> owner_, ownerBefore_, sliceOwner_, sharedRoot_;
+  std::vector<int> owner_, ownerBefore_, sliceOwner_, sharedRoot_, sharedPartner_;
   std::vector<unsigned> seenBy_;
   std::vector<std::uint8_t> moves_, movesBefore_, seen_, sees_, mixed_, extraRow_,
       extraJoint_[JointTypes::kSize], rowAskers_, jointAskers_[JointTypes::kSize];

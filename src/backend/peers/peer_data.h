@@ -82,14 +82,22 @@ constexpr PeerList beginningOf(PeerList list) {
 
 /// Where the table of bodies is cut, and what the last cut left behind. The same on all ranks.
 struct PeerCut {
-  int begin[kMostPeers];  ///< first body of each rank
-  int bodies;             ///< bodies that were cut; 0: none
-  int known;              ///< bodies that have an owner
-  int since;              ///< steps since the cut
-  int changed;            ///< 1: some body has another owner than in the last step
-  int holdsAll;           ///< 1: all ranks have the state of all pairs and joints
-  int interval;           ///< RankOptions::cutInterval
-  double maxImbalance;    ///< RankOptions::maxImbalance
+  int begin[kMostPeers + 1];  ///< first body of each rank, and the number of bodies
+  int bodies;                 ///< bodies that were cut; 0: none
+  int known;                  ///< bodies that have an owner
+  int since;                  ///< steps since the cut
+  int changed;                ///< 1: some body has another owner than in the last step
+  int holdsAll;               ///< 1: all ranks have the state of all pairs and joints
+  int interval;               ///< RankOptions::cutInterval
+  double maxImbalance;        ///< RankOptions::maxImbalance
+};
+
+/// Bodies for which a rank finds the pairs: those between its cuts. All of them if ranks send letters, which
+/// cannot add to a counter.
+struct PeerHome {
+  const PeerCut* cut = nullptr;  ///< null: all bodies
+  int rank = 0;
+  RUBBLE_HD bool has(int i) const { return !cut || (i >= cut->begin[rank] && i < cut->begin[rank + 1]); }
 };
 
 /// Numbers of one rank, which it stores into the tables of all others.
@@ -115,6 +123,7 @@ struct PeerData {
   /// [levels][bodies] of bodies of others, whose owner stores it: 1 + a body that its rows unite with this
   /// one at a level of aggregates. 0 between exchanges, and if there is none.
   int* sharedRoot = nullptr;
+  int* sharedPartner = nullptr;  ///< [pairs] of bodies at home elsewhere: the other body
   int* sliceOwner = nullptr;     ///< [slices]
   std::uint8_t* sees = nullptr;  ///< [aggregates] 1: it moves a body that this rank sees
   /// [aggregates] 1: other ranks have a slice of it or see a body that it moves. Sums of all others stay
@@ -146,6 +155,12 @@ struct PeerData {
   template <class F> RUBBLE_HD std::uint8_t* askersOf(int joint) const {
     return jointAskers[typeIndex<F>(JointTypes{})] +
            static_cast<std::size_t>(joint) * static_cast<std::size_t>(ranks);
+  }
+  RUBBLE_HD PeerHome home() const { return {box || ranks == 1 ? nullptr : cut, rank}; }
+  RUBBLE_HD int homeOf(int body) const {
+    int r = 0;
+    while (r + 1 < ranks && cut->begin[r + 1] <= body) ++r;
+    return r;
   }
   RUBBLE_HD bool has(int body) const { return body >= 0 && body < cut->known; }
   /// Is the body solved here, or does a constraint or slice of this rank need its pose?

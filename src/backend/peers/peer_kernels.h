@@ -33,6 +33,48 @@ template <class Kernel, class Stores> struct Storing {
   RUBBLE_HD void operator()(const SolverData& s, int i) const { kernel(s, i), stores(s, i); }
 };
 
+// Pairs. Each rank searches for the partners of the bodies at home, and has all pairs in the end.
+
+/// Partners of bodies at home elsewhere.
+struct GivePartners : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    give(s, i, [](int* counter, int n) { return atomicCount(counter, n); });
+  }
+  /// add(counter, n) adds to a counter of another rank.
+  template <class Add> RUBBLE_HD void give(const SolverData& s, int i, Add&& add) const {
+    const int found = s.pairCount[i];
+    if (found == 0 || p.home().has(i)) return;
+    const PeerTables to = peerTables(p, p.homeOf(i));
+    const int first = add(&to.s.pairCount[i], found);
+    for (int k = 0; k < min(found, kPairSlots - first); ++k)
+      to.put(to.s.pairSlot[i * kPairSlots + first + k], s.pairSlot[i * kPairSlots + k]);
+  }
+};
+struct SharePairCounts : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (!p.home().has(i)) return;
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.pairCount[i], s.pairCount[i]); });
+  }
+};
+/// By pair. Pairs of primitive shapes follow from their bodies.
+struct SharePartners : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    if (k < s.pairOffset[p.cut->begin[p.rank]] || k >= s.pairOffset[p.cut->begin[p.rank + 1]]) return;
+    forEachPeer(p, [&](const PeerTables& to) {
+      if (s.generalShapes)
+        to.put(to.s.pair[k], s.pair[k]);
+      else
+        to.put(to.p.sharedPartner[k], s.pair[k].other);
+    });
+  }
+};
+struct TakePartners : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.home().has(i)) return;
+    for (int k = s.pairOffset[i]; k < s.pairOffset[i + 1]; ++k) s.pair[k] = pairOf(s, i, p.sharedPartner[k]);
+  }
+};
+
 // Contacts.
 
 /// Near pairs.
@@ -125,6 +167,11 @@ struct SeeSlices : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     const Slice& slice = s.slice[i];
     const int level = s.aggregate[slice.aggregate].level;
+    // nodes ascend, and without trees all bodies between the cuts are of this rank
+    const PeerHome home{p.cut, p.rank};
+    if (s.treeNodes == 0 && home.has(s.aggregateNode[slice.begin]) &&
+        home.has(s.aggregateNode[slice.end - 1]))
+      return;
     for (int k = slice.begin + lane; k < slice.end; k += lanes) {
       const int body = s.aggregateNode[k];
       // all constraints of own bodies are near

@@ -35,6 +35,7 @@ struct MoveCut {
       }
       cut.begin[r] = low;
     }
+    cut.begin[p.ranks] = s.bodies;
   }
 
  private:
@@ -45,8 +46,7 @@ struct MoveCut {
     if (cut.since < kPeerPause) return false;
     std::int64_t most = 0;
     for (int r = 0; r < p.ranks; ++r)
-      most = max(most,
-                 costBefore(s, r + 1 < p.ranks ? cut.begin[r + 1] : s.bodies) - costBefore(s, cut.begin[r]));
+      most = max(most, costBefore(s, cut.begin[r + 1]) - costBefore(s, cut.begin[r]));
     const double mean = static_cast<double>(costBefore(s, s.bodies)) / p.ranks;
     return static_cast<double>(most) > (1 + cut.maxImbalance) * mean;
   }
@@ -62,10 +62,8 @@ struct FindHomes {
     // sights of the last step
     p.seenBy[i] = 0;
     for (int k = 0; k < p.ranks; ++k) p.sightOf(k, i) = 0;
-    int r = 0;
-    while (r + 1 < p.ranks && p.cut->begin[r + 1] <= i) ++r;
     // columns are solved by every rank
-    p.owner[i] = columnBefore(s, i) != 0 ? kEveryPeer : r;
+    p.owner[i] = columnBefore(s, i) != 0 ? kEveryPeer : p.homeOf(i);
     p.moves[i] = s.params[i].kind == BodyKind::Dynamic;
   }
 };

@@ -32,12 +32,36 @@ template <class M, class F> void eachJointType(M& m, F&& f) {
   });
 }
 
-/// Begins a step. Stores old manifolds and joints, which the stages before do not read. A rank may still be
-/// at the edits before the step, so a barrier precedes.
+/// Begins a step.
+template <class M> void findHomes(M& m) { m.each(MoveCut{m.data()}, 1); }
+/// All ranks have cleared their counts of pairs, and found what they can, when a barrier precedes.
+template <class M> void shareFound(M& m) {
+  const PeerData p = m.data();
+  if (!p.home().cut) return;
+  m.barrier();
+  m.each(GivePartners{{p}}, m.tables().bodies);
+  m.barrier();
+}
+/// Counts of bodies at home elsewhere, which their own rank alone has read since it was given partners.
+template <class M> void sharePairCounts(M& m) {
+  if (!m.data().home().cut) return;
+  m.each(SharePairCounts{{{m.data()}}}, m.tables().bodies);
+  m.barrier();
+}
+/// Pairs, or partners: the last reader is in the step before.
+template <class M> void sharePartners(M& m) {
+  const SolverData& s = m.tables();
+  if (!m.data().home().cut) return;
+  m.each(SharePartners{{{m.data()}}}, &Counters::pairs);
+  m.barrier();
+  if (!s.generalShapes) m.each(TakePartners{{m.data()}}, s.bodies);
+}
+
+/// Finds owners. Stores old manifolds and joints, which the stages before do not read. A rank may still be at
+/// the edits before the step, so a barrier precedes.
 template <class M> void beginStep(M& m) {
   const SolverData& s = m.tables();
   const PeerData p = m.data();
-  m.each(MoveCut{p}, 1);
   m.each(FindHomes{p}, s.bodies);
   if (s.vertices > 0) {
     m.each(ShareAttachedBodies{p}, s.attachments);
@@ -211,6 +235,14 @@ template <class M> void share(M& m, Share what, int which) {
     case Share::ColorPoses:
     case Share::NodePoses:
       return;
+    case Share::Homes:
+      return findHomes(m);
+    case Share::Found:
+      return shareFound(m);
+    case Share::PairCounts:
+      return sharePairCounts(m);
+    case Share::Partners:
+      return sharePartners(m);
     case Share::Owners:
       return beginStep(m);
     case Share::Activity:
