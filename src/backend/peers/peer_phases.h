@@ -57,8 +57,8 @@ template <class M> void sharePartners(M& m) {
   if (!s.generalShapes) m.each(TakePartners{{m.data()}}, s.bodies);
 }
 
-/// Finds owners. Stores old manifolds and joints, which the stages before do not read. A rank may still be at
-/// the edits before the step, so a barrier precedes.
+/// Finds owners. Stores old manifolds and joints, which the stages before do not read. A rank that has met no
+/// other one in this step may still be at the edits before it, so a barrier precedes.
 template <class M> void beginStep(M& m) {
   const SolverData& s = m.tables();
   const PeerData p = m.data();
@@ -71,7 +71,7 @@ template <class M> void beginStep(M& m) {
   m.each(UnifyTrees{p}, s.treeNodes);
   m.each(KnowBodies{p}, 1);
   m.each(CompareOwners{p}, s.bodies);
-  m.barrier();
+  if (!p.home().cut) m.barrier();
   m.selectOld(PeerList::MigratingPairs, MigratingPair{p});
   m.each(CountMigratedPairs{p}, 1);
   eachJointType(m, [&]<class F>(int n) { m.each(CountMigratedJoints<F>{p}, n); });
