@@ -84,7 +84,7 @@ constexpr PeerList beginningOf(PeerList list) {
 struct PeerCut {
   int begin[kMostPeers + 1];  ///< first body of each rank, and the number of bodies
   int bodies;                 ///< bodies that were cut; 0: none
-  int known;                  ///< bodies that have an owner
+  int known, knownBefore;     ///< bodies that have an owner, in this step and in the last one
   int since;                  ///< steps since the cut
   int changed;                ///< 1: some body has another owner than in the last step
   int holdsAll;               ///< 1: all ranks have the state of all pairs and joints

@@ -205,18 +205,10 @@ template <class F> struct SeeJoints : PeerKernel {
     if (s.jointsOf<F>()[i].active) see(s, p, endsOfJoint<F>(s, i));
   }
 };
-/// After they are listed.
-struct ForgetExtraRows : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData&, int row) const { p.extraRow[row] = 0; }
-};
-template <class F> struct ForgetExtraJoints : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData&, int i) const {
-    p.extraJoint[typeIndex<F>(JointTypes{})][i] = 0;
-  }
-};
-/// Asks the owners for rows of own slices.
+/// Asks the owners for rows of own slices, which are listed and need no mark any more.
 struct AskExtraRows : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int row) const {
+    p.extraRow[row] = 0;
     const int from = ownerOf(p, endsOfRow(s, row));
     if (from < 0) return;
     const PeerTables to = peerTables(p, from);
@@ -225,6 +217,7 @@ struct AskExtraRows : PeerPost {
 };
 template <class F> struct AskExtraJoints : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    p.extraJoint[typeIndex<F>(JointTypes{})][i] = 0;
     const int from = ownerOf(p, endsOfJoint<F>(s, i));
     if (from < 0) return;
     const PeerTables to = peerTables(p, from);
@@ -439,7 +432,8 @@ struct CountContacts : PeerKernel {
     if (m.recycled) atomicCount(&p.sums[p.rank].recycled, 1);
   }
 };
-/// `countsNear`: the counters of the step have all near contacts; then CountContacts counted those of others.
+/// Ends the part of this rank. `countsNear`: the counters of the step have all near contacts; then
+/// CountContacts counted those of others.
 struct CountPart : PeerKernel {
   bool countsNear;
   RUBBLE_HD void operator()(const SolverData& s, int) const {
@@ -452,6 +446,8 @@ struct CountPart : PeerKernel {
     own.bodies = p.listed[static_cast<int>(PeerList::Bodies)];
     own.ghosts = p.listed[static_cast<int>(PeerList::Ghosts)];
     own.rows = p.listed[static_cast<int>(PeerList::Rows)];
+    own.migrated += p.listed[static_cast<int>(PeerList::MigratingPairs)];
+    p.cut->holdsAll = 0;
   }
 };
 struct TakeCounts : PeerKernel {

@@ -69,16 +69,13 @@ template <class M> void beginStep(M& m) {
   }
   m.each(ShareTrees{p}, s.treeNodes);
   m.each(UnifyTrees{p}, s.treeNodes);
-  m.each(KnowBodies{p}, 1);
   m.each(CompareOwners{p}, s.bodies);
   if (!p.home().cut) m.barrier();
   m.selectOld(PeerList::MigratingPairs, MigratingPair{p});
-  m.each(CountMigratedPairs{p}, 1);
   eachJointType(m, [&]<class F>(int n) { m.each(CountMigratedJoints<F>{p}, n); });
   m.eachOf(PeerList::MigratingPairs, MigratePairs{p});
   eachJointType(m, [&]<class F>(int n) { m.each(MigrateJoints<F>{p}, n); });
   m.barrier();
-  m.each(EndOwners{p}, 1);
   m.select(PeerList::Pairs, NearPair{p}, &Counters::pairs);
   eachJointType(m, [&]<class F>(int n) { m.select(listOfJoints<F>(PeerJoints::Own), NearJoint<F>{p}, n); });
 }
@@ -136,14 +133,10 @@ template <class M> void plan(M& m) {
     m.select(PeerList::Slices, OwnSlice{p}, &Counters::slices);
     m.eachOf(PeerList::Slices, SeeSlices{{p}});
     m.select(PeerList::ExtraRows, ExtraRow{p}, &Counters::manifolds);
-    m.eachOf(PeerList::ExtraRows, ForgetExtraRows{{p}});
   }
   m.join(PeerList::Rows, PeerList::ExtraRows);
   eachJointType(m, [&]<class F>(int n) {
-    if (coarse) {
-      m.select(listOfJoints<F>(PeerJoints::Extra), ExtraJoint<F>{p}, n);
-      m.eachOf(listOfJoints<F>(PeerJoints::Extra), ForgetExtraJoints<F>{{p}});
-    }
+    if (coarse) m.select(listOfJoints<F>(PeerJoints::Extra), ExtraJoint<F>{p}, n);
     m.join(listOfJoints<F>(PeerJoints::All), listOfJoints<F>(PeerJoints::Extra));
     m.eachOf(listOfJoints<F>(PeerJoints::Own), SeeJoints<F>{{p}});
   });
