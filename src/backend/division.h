@@ -9,8 +9,10 @@ namespace rubble::RUBBLE_CORE {
 /// The elements that a rank runs.
 enum class Cut {
   Whole,
+  Homes,            ///< a range of all bodies, near to its own ones
   Pairs,            ///< broad-phase pairs that touch a body of the rank
   ActivePairs,      ///< the same, of the active pairs
+  JoinedRows,       ///< contact rows of its bodies, and those between bodies of two other ranks
   Tested,           ///< the list `tested`, which is of this rank already
   Rows,             ///< contact rows that the rank evaluates: of its bodies and of its slices
   OwnRows,          ///< contact rows of its bodies
@@ -31,10 +33,16 @@ enum class Cut {
 /// What ranks exchange.
 enum class Share {
   None,
-  Owners,      ///< begins a step: owners of bodies, and old manifolds for new owners
+  Homes,       ///< begins a step: ranges of bodies
+  Found,       ///< partners that a rank has found for bodies of other ranges
+  PairCounts,  ///< `pairCount` of all bodies
+  Partners,    ///< all pairs
+  Owners,      ///< owners of bodies, and old manifolds for new owners
   Activity,    ///< `isActive` of all pairs
   Touches,     ///< `hasRows` of all active pairs
   Rows,        ///< `rowBodies` and `joinLevel` of all rows
+  Roots,       ///< roots of aggregates of a level, which each rank has found from its rows
+  Boundary,    ///< `boundaryCount` of all slices
   SliceSums,   ///< sums of the slices of a level, to the ranks that see a body of their aggregates
   ColorPoses,  ///< poses of the bodies of a color, to the ranks that see them
   NodePoses,   ///< poses of other bodies of slices, to the ranks that own the slices
@@ -86,6 +94,13 @@ struct DividedLevel : DividedBy<Cut::LevelNodes> {
   template <class Kernel> static int which(const InLevel<Kernel>& kernel) { return kernel.begin; }
 };
 
+// broad phase
+template <> struct Divided<FindNeighbors> : DividedBy<Cut::Homes, Share::Homes> {};
+template <> struct Divided<FindPathNeighbors> : DividedBy<Cut::Homes> {};
+template <bool kParts>
+struct Divided<FindPairs<kParts>> : DividedBy<Cut::Homes, Share::Found, Share::PairCounts> {};
+template <bool kParts>
+struct Divided<WritePairs<kParts>> : DividedBy<Cut::Homes, Share::None, Share::Partners> {};
 // contacts
 template <> struct Divided<FindImpactSpeedBounds> : DividedBy<Cut::Whole, Share::Owners> {};
 template <> struct Divided<FindActivePairs> : DividedBy<Cut::Pairs> {};
@@ -118,9 +133,13 @@ template <> struct Divided<InLevel<MoveTrees>> : DividedLevel {
   static constexpr Share kAfter = Share::TreePoses;
 };
 // aggregates
+template <> struct Divided<JoinAggregates<ContactBlocks>> : DividedBy<Cut::JoinedRows> {};
+template <> struct Divided<FlattenAggregates> : DividedBy<Cut::Whole, Share::Roots> {
+  static int which(const FlattenAggregates& kernel) { return kernel.level; }
+};
 template <> struct Divided<SumInertia> : DividedBy<Cut::SeenSlices> {};
 template <> struct Divided<PlaceAggregates> : DividedBy<Cut::SeenAggregates> {};
-template <> struct Divided<CountBoundary> : DividedBy<Cut::Slices> {};
+template <> struct Divided<CountBoundary> : DividedBy<Cut::Slices, Share::None, Share::Boundary> {};
 template <> struct Divided<FillBoundary> : DividedBy<Cut::Slices> {};
 template <class L>
 struct Divided<SumSlice<L>> : DividedBy<Cut::LevelSlices, Share::NodePoses, Share::SliceSums> {};

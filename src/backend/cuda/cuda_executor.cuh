@@ -239,11 +239,12 @@ class CudaExecutor : private ScanLauncher {
   void run(const FindPairs<false>& kernel, int n) { search<FindPairsByTile>(kernel, n); }
 
   /// Stages in which a few elements have very many parts.
-  void run(const WritePairs<false>&, int n) {
+  void run(const WritePairs<false>&, int n) { writePairs(n, {}); }
+  void writePairs(int n, const PeerHome& home) {
     // bodies of a warp with many partners take turns
     withLanes<1, 8>(lanesFor<1, 8>(n, residentThreads()), [&]<int kLanes>() {
       constexpr int kBodies = kWarp / kLanes;
-      run(WritePairsByWarp<kBodies>{}, (n + kBodies - 1) / kBodies);
+      run(WritePairsByWarp<kBodies>{home}, (n + kBodies - 1) / kBodies);
     });
   }
   void run(const FindClashes&, int n) { runByWarp(FindClashesByWarp{}, n); }
@@ -396,20 +397,16 @@ class CudaExecutor : private ScanLauncher {
     peers_->share(D::kBefore, which);
     if constexpr (D::kCut == Cut::ActivePairs) peers_->listActivePairs();
     if constexpr (D::kCut > Cut::Tested) peers_->plan();
-    if constexpr (D::kCut == Cut::Pairs)
-      runList(kernel, PeerList::Pairs, n);
-    else if constexpr (D::kCut == Cut::ActivePairs)
-      runList(kernel, PeerList::ActivePairs, n);
-    else if constexpr (D::kCut == Cut::Rows)
-      runList(kernel, PeerList::Rows, n);
-    else if constexpr (D::kCut == Cut::OwnRows)
-      runList(kernel, PeerList::OwnRows, n);
-    else if constexpr (D::kCut == Cut::Bodies)
-      runList(kernel, PeerList::Bodies, n);
+    if constexpr (std::same_as<Kernel, WritePairs<false>>)
+      writePairs(n, peers_->data().home());
+    else if constexpr (D::kCut == Cut::Homes)
+      run(AtHome<Kernel>{kernel, peers_->data().home()}, n);
+    else if constexpr (std::same_as<Kernel, FindActivePairs>)
+      peers_->withStores<ShareActivity>(kernel, [&](const auto& k) { runList(k, PeerList::Pairs, n); });
+    else if constexpr (std::same_as<Kernel, TestNewPairs>)
+      peers_->withStores<ShareNewActivity>(kernel, [&](const auto& k) { run(k, n); });
     else if constexpr (std::same_as<Kernel, SumInertia>)
       runList(SumInertiaByTile{tree()}, PeerList::SeenSlices, n);
-    else if constexpr (std::same_as<Kernel, CountBoundary>)
-      run(kernel, n);  // room for the constraints of all slices, so that tables of all devices grow alike
     else if constexpr (std::same_as<Kernel, FillBoundary>)
       startList(longSlices_, FillBoundary::kStage),
           runList(FillBoundaryByTile{listOf(longSlices_)}, PeerList::Slices, n);
@@ -417,6 +414,8 @@ class CudaExecutor : private ScanLauncher {
       runList(kernel, listOfJoints(PeerJoints::All, which), n, view().joints[which]);
     else if constexpr (D::kCut == Cut::OwnJoints)
       runList(kernel, listOfJoints(PeerJoints::Own, which), n, view().joints[which]);
+    else if constexpr (peerListOf(D::kCut) != PeerList::FirstJoint)
+      runList(kernel, peerListOf(D::kCut), n);
     else if constexpr (!std::same_as<Kernel, PlaceAggregates>)
       run(kernel, n);  // trees of others count as converged
     peers_->share(D::kAfter, which);

@@ -45,9 +45,9 @@ struct CudaPeers::Impl {
   RankCourier courier;
   double timeout;                        ///< [s]
   std::unique_ptr<CudaLetters> letters;  ///< null: GPUs reach one another's memory
-  KeptBuffer cut, owner, ownerBefore, moves, movesBefore, seen, seenBy, sliceOwner, sees, mixed, extraRow,
-      extraJoint[JointTypes::kSize], rowAskers, jointAskers[JointTypes::kSize], sums, lists[kPeerLists],
-      listed, at, signals;
+  KeptBuffer cut, owner, ownerBefore, moves, movesBefore, seen, seenBy, sharedRoot, sharedPartner, sliceOwner,
+      sees, mixed, extraRow, extraJoint[JointTypes::kSize], rowAskers, jointAskers[JointTypes::kSize], sums,
+      lists[kPeerLists], listed, at, signals;
 
   /// Flags that all GPUs see, and access to one another's memory.
   void connect(int rank, int ranks);
@@ -117,6 +117,8 @@ int CudaPeers::mostOf(PeerList list) const {
       return tables_.capacity(Per::ActivePair);
     case PeerList::Rows:
     case PeerList::OwnRows:
+    case PeerList::CrossRows:
+    case PeerList::JoinedRows:
     case PeerList::ExtraRows:
       return tables_.capacity(Per::Manifold);
     case PeerList::Bodies:
@@ -145,6 +147,8 @@ void CudaPeers::reserve() {
   m.moves.reserve(bodies, data_.moves), m.movesBefore.reserve(bodies, data_.movesBefore);
   m.seen.reserve(bodies * static_cast<std::size_t>(data_.ranks), data_.seen);
   m.seenBy.reserve(bodies, data_.seenBy);
+  m.sharedRoot.reserve(bodies * kCoarseLevels, data_.sharedRoot);
+  m.sharedPartner.reserve(capacity(Per::Pair), data_.sharedPartner);
   m.sliceOwner.reserve(capacity(Per::Slice), data_.sliceOwner);
   m.sees.reserve(capacity(Per::Aggregate), data_.sees);
   m.mixed.reserve(capacity(Per::Aggregate), data_.mixed);
@@ -166,8 +170,9 @@ std::size_t CudaPeers::bytes() const {
   const Impl& m = *impl_;
   std::size_t sum = 0;
   for (const KeptBuffer* const each :
-       {&m.cut, &m.owner, &m.ownerBefore, &m.moves, &m.movesBefore, &m.seen, &m.seenBy, &m.sliceOwner,
-        &m.sees, &m.mixed, &m.extraRow, &m.rowAskers, &m.sums, &m.listed, &m.at, &m.signals})
+       {&m.cut, &m.owner, &m.ownerBefore, &m.moves, &m.movesBefore, &m.seen, &m.seenBy, &m.sharedRoot,
+        &m.sharedPartner, &m.sliceOwner, &m.sees, &m.mixed, &m.extraRow, &m.rowAskers, &m.sums, &m.listed,
+        &m.at, &m.signals})
     sum += each->size();
   for (const KeptBuffer& each : m.extraJoint) sum += each.size();
   for (const KeptBuffer& each : m.jointAskers) sum += each.size();
@@ -258,7 +263,7 @@ template <class Kernel> void CudaPeers::each(const Kernel& kernel, int n) {
   KernelLauncher& launcher = *launcher_;
   if (!beginsKernel<Kernel>() || n <= 0) return;
   launcher.enterStage(Kernel::kStage);
-  launcher.launch(kernel, {n, nullptr}, n, Kernel::kStage);
+  launcher.launch(onDevice(kernel), {n, nullptr}, n, Kernel::kStage);
 }
 template <class Kernel> void CudaPeers::each(const Kernel& kernel, int Counters::*n) {
   KernelLauncher& launcher = *launcher_;

@@ -9,7 +9,7 @@
 #include "backend/cuda/device_memory.h"
 #include "backend/distributed/transport.h"
 #include "backend/division.h"
-#include "backend/peers/peer_data.h"
+#include "backend/peers/peer_kernels.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -75,6 +75,15 @@ class CudaPeers {
 
   // The machine of peer_phases.h.
   static constexpr bool kCountsNear = true;
+  /// Not where they post letters: for want of room these kernels may run again.
+  bool storesAtOnce() const { return data_.box == nullptr; }
+  /// run(kernel), which also stores what it computes if that is possible.
+  template <class Stores, class Kernel, class Run> void withStores(const Kernel& kernel, Run&& run) const {
+    if (storesAtOnce())
+      run(Storing<Kernel, Stores>{kernel, Stores{{{data_}}}});
+    else
+      run(kernel);
+  }
   const SolverData& tables() const { return tables_.view(); }
   template <class Kernel> void each(const Kernel& kernel, int n);
   template <class Kernel> void each(const Kernel& kernel, int Counters::*n);

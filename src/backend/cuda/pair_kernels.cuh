@@ -3,6 +3,7 @@
 /// few counters. Pairs of a body in order: one lane per body, and one warp per body with more partners than
 /// slots, whose cells are searched again.
 #include "backend/cuda/long_list_kernels.cuh"
+#include "backend/peers/peer_data.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -97,13 +98,24 @@ class WarpCounter {
   const Tile<kWarp>& tile_;
 };
 
+/// A kernel for the bodies at home.
+template <class Kernel> struct AtHome {
+  static constexpr const char* kStage = Kernel::kStage;
+  Kernel kernel;
+  PeerHome home;
+  __device__ void operator()(const SolverData& s, int i) const {
+    if (home.has(i)) kernel(s, i);
+  }
+};
+
 /// WritePairs for kBodies bodies, for worlds without shapes of several parts.
 template <int kBodies> struct WritePairsByWarp {
   static constexpr const char* kStage = WritePairs<false>::kStage;
   static constexpr int kWidth = kWarp;
+  PeerHome home{};
   __device__ void operator()(const SolverData& s, int warp, const Tile<kWidth>& tile) const {
     const int i = warp * kBodies + tile.lane;
-    const bool on = tile.lane < kBodies && i < s.bodies,
+    const bool on = tile.lane < kBodies && i < s.bodies && home.has(i),
                many = on && s.pairOffset[i + 1] - s.pairOffset[i] > kPairSlots;
     if (on && !many) WritePairs<false>{}(s, i);
     forEachOfWarp(tile, many, i, [&](int body) {

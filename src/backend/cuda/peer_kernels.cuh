@@ -94,6 +94,41 @@ struct SeeSlicesByTile {
 };
 template <> struct OnDevice<SeeSlices> { using Type = SeeSlicesByTile; };
 
+/// Adds to counters of other devices.
+struct GivePartnersAcross {
+  static constexpr const char* kStage = GivePartners::kStage;
+  GivePartners give;
+  __device__ void operator()(const SolverData& s, int i) const {
+    give.give(s, i, [](int* counter, int n) { return atomicAdd_system(counter, n); });
+  }
+};
+template <> struct OnDevice<GivePartners> { using Type = GivePartnersAcross; };
+
+/// Lanes share the motion of a body so that those of a warp fill whole lines: stores of a few bytes each
+/// take as long on the connection as whole lines.
+struct ShareMotionByTile {
+  static constexpr const char* kStage = ShareMotion::kStage;
+  static constexpr bool kPosts = ShareMotion::kPosts;
+  static constexpr int kWidth = 4;
+  ShareMotion share;
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
+    static_assert(sizeof(Displacement) == 2 * sizeof(Lanes) && sizeof(Quat) == sizeof(Lanes));
+    if (share.p.owner[i] < 0) return;
+    const int lane = tile.lane;
+    // lanes 0 and 1: halves of dx; lane 2: dq
+    const auto part = [&](const SolverData& of) {
+      return lane < 2 ? reinterpret_cast<Lanes*>(of.dx + i) + lane : reinterpret_cast<Lanes*>(of.dq + i);
+    };
+    forEachPeer(share.p, [&](const PeerTables& to) {
+      if (lane < 3)
+        to.put(*part(to.s), *part(s)), to.put(to.s.nextCorrection[i][lane], s.nextCorrection[i][lane]);
+      else
+        to.put(to.s.fast[i], s.fast[i]);
+    });
+  }
+};
+template <> struct OnDevice<ShareMotion> { using Type = ShareMotionByTile; };
+
 /// ShareColor for the bodies of a color among those that others see.
 struct ShareSeenOfColor : PeerPost {
   int color;

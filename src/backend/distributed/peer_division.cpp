@@ -54,12 +54,14 @@ void PeerDivision::fit() {
   size(moves_, bodies, data_.moves), size(movesBefore_, bodies, data_.movesBefore);
   size(seen_, bodies * static_cast<std::size_t>(data_.ranks), data_.seen);
   size(seenBy_, bodies, data_.seenBy);
+  size(sharedRoot_, bodies * kCoarseLevels, data_.sharedRoot);
   size(sliceOwner_, static_cast<std::size_t>(s.counters->slices), data_.sliceOwner);
   size(sees_, static_cast<std::size_t>(s.counters->aggregates), data_.sees);
   size(mixed_, static_cast<std::size_t>(s.counters->aggregates), data_.mixed);
   size(extraRow_, static_cast<std::size_t>(s.counters->manifolds), data_.extraRow);
   // others store into these
   const std::size_t ranks = static_cast<std::size_t>(data_.ranks);
+  size(sharedPartner_, capacity(Per::Pair), data_.sharedPartner);
   size(rowAskers_, capacity(Per::Manifold) * ranks, data_.rowAskers);
   for (int type = 0; type < JointTypes::kSize; ++type) {
     size(extraJoint_[type], static_cast<std::size_t>(s.joints[type]), data_.extraJoint[type]);
@@ -142,25 +144,21 @@ Division::Part PeerDivision::part(Cut cut, int n, int which) {
     case Cut::Whole:
     case Cut::Tested:  // this rank lists near pairs only
       return {nullptr, n, n};
-    case Cut::Pairs:
-      return partOf(PeerList::Pairs);
+    case Cut::Homes:
+      return partBy(n, [&](int i) { return data_.home().has(i); });
     case Cut::ActivePairs:
       if (!std::exchange(activeListed_, true)) peers::listActivePairs(*this);
-      return partOf(PeerList::ActivePairs);
+      [[fallthrough]];
+    case Cut::Pairs:
+    case Cut::JoinedRows:
     case Cut::Rows:
-      return partOf(PeerList::Rows);
     case Cut::OwnRows:
-      return partOf(PeerList::OwnRows);
     case Cut::Bodies:
-      return partOf(PeerList::Bodies);
     case Cut::Slices:
-      // room for the constraints of all slices, so that tables grow alike
-      for (int i = 0; i < n; ++i) CountBoundary{}(s, i);
-      return partOf(PeerList::Slices);
+    case Cut::SeenSlices:
+      return partOf(peerListOf(cut));
     case Cut::LevelSlices:
       return partOf(lists_[static_cast<int>(PeerList::Slices)], [&](int i) { return levelOf(i) == which; });
-    case Cut::SeenSlices:
-      return partOf(PeerList::SeenSlices);
     case Cut::LevelMoves:
       return partOf(lists_[static_cast<int>(PeerList::SeenSlices)], [&](int i) {
         return levelOf(i) == which &&
@@ -214,7 +212,7 @@ void PeerDivision::plan() {
 
 void PeerDivision::share(Share what, int which) {
   if (what == Share::None) return;
-  if (what == Share::Owners) {
+  if (what == Share::Homes) {
     planned_ = activeListed_ = summed_ = atRest_ = false;
     for (List& list : lists_) list.index.clear(), list.other.clear();
     std::ranges::fill(listed_, 0);

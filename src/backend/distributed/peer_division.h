@@ -30,6 +30,7 @@ class PeerDivision final : public WorldDivision {
 
   // The machine of peer_phases.h.
   static constexpr bool kCountsNear = false;
+  static constexpr bool storesAtOnce() { return false; }
   const SolverData& tables() const { return tables_.view(); }
   const PeerData& data() const { return data_; }
   template <class Kernel> void each(const Kernel& kernel, int n) {
@@ -91,7 +92,7 @@ class PeerDivision final : public WorldDivision {
   PeerCut cut_{};
   std::vector<PeerRank> ranks_;
   std::vector<PeerSums> sums_;
-  std::vector<int> owner_, ownerBefore_, sliceOwner_;
+  std::vector<int> owner_, ownerBefore_, sliceOwner_, sharedRoot_, sharedPartner_;
   std::vector<unsigned> seenBy_;
   std::vector<std::uint8_t> moves_, movesBefore_, seen_, sees_, mixed_, extraRow_,
       extraJoint_[JointTypes::kSize], rowAskers_, jointAskers_[JointTypes::kSize];

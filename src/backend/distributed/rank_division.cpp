@@ -9,6 +9,8 @@ namespace rubble::RUBBLE_CORE {
 Division::Part RankDivision::part(Cut cut, int n, int which) {
   switch (cut) {
     case Cut::Whole:
+    case Cut::Homes:  // each rank finds all pairs, and joins all rows
+    case Cut::JoinedRows:
       return {nullptr, n, n};
     case Cut::Pairs:
       return pairs_.part();
@@ -97,6 +99,12 @@ void RankDivision::share(Share what, int which) {
   const SolverData& s = data();
   switch (what) {
     case Share::None:
+    case Share::Homes:
+    case Share::Found:
+    case Share::PairCounts:
+    case Share::Partners:
+    case Share::Roots:
+    case Share::Boundary:
       return;
     case Share::Owners:
       return beginStep();

@@ -6,8 +6,8 @@
 /// store, except where they store what is there already (peer_phases.h names the reason at each exchange).
 /// Where the memory of another rank is out of reach, the stores are letters (peer_letters.h), which the
 /// barrier brings.
+#include "backend/division.h"
 #include "backend/peers/peer_letters.h"
-#include "stages/step.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -22,12 +22,14 @@ enum class PeerList {
   Pairs,           ///< near pairs
   ActivePairs,     ///< of these, the active ones
   OwnRows,         ///< of these, the rows
+  CrossRows,       ///< rows between bodies of two other ranks
+  JoinedRows,      ///< own rows, then cross rows; only until extra rows are listed
   ExtraRows,       ///< rows evaluated for its slices alone
   Rows,            ///< own rows, then extra ones
   Bodies,
   Ghosts,        ///< bodies of others that it sees
   SeenBodies,    ///< its own, then ghosts
-  SharedBodies,  ///< its own that others see
+  SharedBodies,  ///< its own that others see or solve
   Slices,
   SeenSlices,
   MixedSlices,  ///< seen ones of mixed aggregates
@@ -45,9 +47,32 @@ constexpr PeerList listOfJoints(PeerJoints kind, int type) {
 template <class F> constexpr PeerList listOfJoints(PeerJoints kind) {
   return listOfJoints(kind, typeIndex<F>(JointTypes{}));
 }
+/// The list of the elements of a cut. FirstJoint: there is none, or it depends on more than the cut.
+constexpr PeerList peerListOf(Cut cut) {
+  switch (cut) {
+    case Cut::Pairs:
+      return PeerList::Pairs;
+    case Cut::ActivePairs:
+      return PeerList::ActivePairs;
+    case Cut::JoinedRows:
+      return PeerList::JoinedRows;
+    case Cut::Rows:
+      return PeerList::Rows;
+    case Cut::OwnRows:
+      return PeerList::OwnRows;
+    case Cut::Bodies:
+      return PeerList::Bodies;
+    case Cut::Slices:
+      return PeerList::Slices;
+    case Cut::SeenSlices:
+      return PeerList::SeenSlices;
+    default:
+      return PeerList::FirstJoint;
+  }
+}
 /// The list that a list begins with, in the same memory; itself for most.
 constexpr PeerList beginningOf(PeerList list) {
-  if (list == PeerList::Rows) return PeerList::OwnRows;
+  if (list == PeerList::Rows || list == PeerList::JoinedRows) return PeerList::OwnRows;
   if (list == PeerList::SeenBodies) return PeerList::Bodies;
   const int joint = static_cast<int>(list) - static_cast<int>(PeerList::FirstJoint);
   if (joint >= 0 && joint % kPeerJointLists == static_cast<int>(PeerJoints::All))
@@ -57,14 +82,22 @@ constexpr PeerList beginningOf(PeerList list) {
 
 /// Where the table of bodies is cut, and what the last cut left behind. The same on all ranks.
 struct PeerCut {
-  int begin[kMostPeers];  ///< first body of each rank
-  int bodies;             ///< bodies that were cut; 0: none
-  int known;              ///< bodies that have an owner
-  int since;              ///< steps since the cut
-  int changed;            ///< 1: some body has another owner than in the last step
-  int holdsAll;           ///< 1: all ranks have the state of all pairs and joints
-  int interval;           ///< RankOptions::cutInterval
-  double maxImbalance;    ///< RankOptions::maxImbalance
+  int begin[kMostPeers + 1];  ///< first body of each rank, and the number of bodies
+  int bodies;                 ///< bodies that were cut; 0: none
+  int known, knownBefore;     ///< bodies that have an owner, in this step and in the last one
+  int since;                  ///< steps since the cut
+  int changed;                ///< 1: some body has another owner than in the last step
+  int holdsAll;               ///< 1: all ranks have the state of all pairs and joints
+  int interval;               ///< RankOptions::cutInterval
+  double maxImbalance;        ///< RankOptions::maxImbalance
+};
+
+/// Bodies for which a rank finds the pairs: those between its cuts. All of them if ranks send letters, which
+/// cannot add to a counter.
+struct PeerHome {
+  const PeerCut* cut = nullptr;  ///< null: all bodies
+  int rank = 0;
+  RUBBLE_HD bool has(int i) const { return !cut || (i >= cut->begin[rank] && i < cut->begin[rank + 1]); }
 };
 
 /// Numbers of one rank, which it stores into the tables of all others.
@@ -87,6 +120,10 @@ struct PeerData {
   std::uint8_t *moves = nullptr, *movesBefore = nullptr;  ///< [bodies] 1: dynamic, asleep or not
   std::uint8_t* seen = nullptr;  ///< [ranks][bodies] 1: that rank needs the pose; rows of others: own bodies
   unsigned* seenBy = nullptr;    ///< [bodies] of own bodies: bit r: rank r sees it
+  /// [levels][bodies] of bodies of others, whose owner stores it: 1 + a body that its rows unite with this
+  /// one at a level of aggregates. 0 between exchanges, and if there is none.
+  int* sharedRoot = nullptr;
+  int* sharedPartner = nullptr;  ///< [pairs] of bodies at home elsewhere: the other body
   int* sliceOwner = nullptr;     ///< [slices]
   std::uint8_t* sees = nullptr;  ///< [aggregates] 1: it moves a body that this rank sees
   /// [aggregates] 1: other ranks have a slice of it or see a body that it moves. Sums of all others stay
@@ -108,12 +145,22 @@ struct PeerData {
     return seen[static_cast<std::size_t>(of) * static_cast<std::size_t>(stride) +
                 static_cast<std::size_t>(body)];
   }
+  RUBBLE_HD int& sharedRootOf(int level, int body) const {
+    return sharedRoot[static_cast<std::size_t>(level) * static_cast<std::size_t>(stride) +
+                      static_cast<std::size_t>(body)];
+  }
   RUBBLE_HD std::uint8_t* askersOf(int row) const {
     return rowAskers + static_cast<std::size_t>(row) * static_cast<std::size_t>(ranks);
   }
   template <class F> RUBBLE_HD std::uint8_t* askersOf(int joint) const {
     return jointAskers[typeIndex<F>(JointTypes{})] +
            static_cast<std::size_t>(joint) * static_cast<std::size_t>(ranks);
+  }
+  RUBBLE_HD PeerHome home() const { return {box || ranks == 1 ? nullptr : cut, rank}; }
+  RUBBLE_HD int homeOf(int body) const {
+    int r = 0;
+    while (r + 1 < ranks && cut->begin[r + 1] <= body) ++r;
+    return r;
   }
   RUBBLE_HD bool has(int body) const { return body >= 0 && body < cut->known; }
   /// Is the body solved here, or does a constraint or slice of this rank need its pose?
@@ -202,7 +249,8 @@ RUBBLE_HD inline PeerEnds endsOfManifold(const SolverData& s, int i) {
   return endsOfPair(s.pair[s.activePair[i]]);
 }
 RUBBLE_HD inline PeerEnds endsOfRow(const SolverData& s, int row) {
-  return endsOfManifold(s, s.rowBodies[row].manifold);
+  const RowBodies& r = s.rowBodies[row];
+  return {2, {r.a, r.b, -1, -1}};
 }
 
 /// Predicates of the lists, and the owner of an element. Those with `of` select from another list: of(k) is
@@ -227,6 +275,13 @@ struct NearActivePair {
 struct NearRow {
   RUBBLE_HD bool operator()(const SolverData& s, int i) const { return s.hasRows[i] != 0; }
   RUBBLE_HD int of(const SolverData& s, int i) const { return s.rowOffset[i]; }
+};
+struct CrossRow {
+  PeerData p;
+  RUBBLE_HD bool operator()(const SolverData& s, int row) const {
+    const auto [a, b, manifold] = s.rowBodies[row];
+    return p.moves[a] && p.moves[b] && p.owner[a] != p.owner[b] && !actsHere(p, endsOfRow(s, row));
+  }
 };
 struct ExtraRow {
   PeerData p;
@@ -262,7 +317,9 @@ struct Ghost {
 /// Of its own bodies.
 struct SharedBody {
   PeerData p;
-  RUBBLE_HD bool operator()(const SolverData&, int i) const { return p.seenBy[i] != 0; }
+  RUBBLE_HD bool operator()(const SolverData&, int i) const {
+    return p.seenBy[i] != 0 || p.owner[i] == kEveryPeer;
+  }
   RUBBLE_HD int of(const SolverData&, int i) const { return i; }
 };
 struct OwnSlice {

@@ -16,6 +16,65 @@ struct PeerPost : PeerKernel {
   static constexpr bool kPosts = true;
 };
 
+/// This rank needs the pose of a body, or of those of a constraint.
+RUBBLE_HD inline void see(const SolverData& s, const PeerData& p, int body) {
+  if (body >= 0 && body < s.bodies && !p.isMine(p.owner[body])) p.sightOf(p.rank, body) = 1;
+}
+RUBBLE_HD inline void see(const SolverData& s, const PeerData& p, const PeerEnds& ends) {
+  for (int k = 0; k < ends.count; ++k) see(s, p, ends.body[k]);
+}
+
+/// A kernel whose elements then store what they have computed into the tables of others. Stores wait for
+/// the connection, and the kernel for memory: together they take the time of the longer one.
+template <class Kernel, class Stores> struct Storing {
+  static constexpr const char* kStage = Kernel::kStage;
+  Kernel kernel;
+  Stores stores;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { kernel(s, i), stores(s, i); }
+};
+
+// Pairs. Each rank searches for the partners of the bodies at home, and has all pairs in the end.
+
+/// Partners of bodies at home elsewhere.
+struct GivePartners : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    give(s, i, [](int* counter, int n) { return atomicCount(counter, n); });
+  }
+  /// add(counter, n) adds to a counter of another rank.
+  template <class Add> RUBBLE_HD void give(const SolverData& s, int i, Add&& add) const {
+    const int found = s.pairCount[i];
+    if (found == 0 || p.home().has(i)) return;
+    const PeerTables to = peerTables(p, p.homeOf(i));
+    const int first = add(&to.s.pairCount[i], found);
+    for (int k = 0; k < min(found, kPairSlots - first); ++k)
+      to.put(to.s.pairSlot[i * kPairSlots + first + k], s.pairSlot[i * kPairSlots + k]);
+  }
+};
+struct SharePairCounts : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (!p.home().has(i)) return;
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.pairCount[i], s.pairCount[i]); });
+  }
+};
+/// By pair. Pairs of primitive shapes follow from their bodies.
+struct SharePartners : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    if (k < s.pairOffset[p.cut->begin[p.rank]] || k >= s.pairOffset[p.cut->begin[p.rank + 1]]) return;
+    forEachPeer(p, [&](const PeerTables& to) {
+      if (s.generalShapes)
+        to.put(to.s.pair[k], s.pair[k]);
+      else
+        to.put(to.p.sharedPartner[k], s.pair[k].other);
+    });
+  }
+};
+struct TakePartners : PeerKernel {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.home().has(i)) return;
+    for (int k = s.pairOffset[i]; k < s.pairOffset[i + 1]; ++k) s.pair[k] = pairOf(s, i, p.sharedPartner[k]);
+  }
+};
+
 // Contacts.
 
 /// Near pairs.
@@ -24,6 +83,10 @@ struct ShareActivity : PeerPost {
     if (NearPair{p}.ownerOf(s, k) != p.rank) return;
     forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.isActive[k], s.isActive[k]); });
   }
+};
+/// New near pairs.
+struct ShareNewActivity : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int t) const { ShareActivity{{{p}}}(s, s.newPair[t]); }
 };
 /// Near active pairs.
 struct ShareTouches : PeerPost {
@@ -43,7 +106,9 @@ struct FindRowBodies : PeerKernel {
 /// Own rows.
 struct ShareJoinLevel : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int row) const {
-    if (ownerOf(p, endsOfRow(s, row)) != p.rank) return;
+    const PeerEnds ends = endsOfRow(s, row);
+    see(s, p, ends);
+    if (ownerOf(p, ends) != p.rank) return;
     forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.joinLevel[row], s.joinLevel[row]); });
   }
 };
@@ -59,6 +124,31 @@ struct TakeWhetherBouncing : PeerKernel {
   }
 };
 
+// Aggregates. Each rank joins its rows, and then the sets that others have found. A row between two ranks
+// may lead farther on both sides, so a third one joins it, too.
+
+/// Own bodies whose set has grown at this level.
+struct ShareRoots : PeerPost {
+  int level;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.owner[i] != p.rank) return;
+    const int root = findRoot(s.root + atLevel(s, level, 0), i),
+              before = level == 0 ? i : s.aggregateOf[atLevel(s, level - 1, i)];
+    if (root == before) return;
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.p.sharedRootOf(level, i), root + 1); });
+  }
+};
+struct JoinSharedRoots : PeerKernel {
+  int level;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.isMine(p.owner[i])) return;
+    const int root = p.sharedRootOf(level, i) - 1;
+    if (root < 0) return;
+    unite(s.root + atLevel(s, level, 0), i, root);
+    p.sharedRootOf(level, i) = 0;
+  }
+};
+
 // What a rank evaluates and sees.
 
 /// A slice belongs to the owner of its middle node. That rank evaluates all of its constraints.
@@ -69,9 +159,6 @@ struct FindSliceOwners : PeerKernel {
     p.sliceOwner[i] = node < s.bodies ? p.owner[node] : kEveryPeer;
   }
 };
-RUBBLE_HD inline void see(const SolverData& s, const PeerData& p, int body) {
-  if (body >= 0 && body < s.bodies && !p.isMine(p.owner[body])) p.sightOf(p.rank, body) = 1;
-}
 /// For own slices: sees their bodies and the bodies of their boundary constraints, and marks the
 /// constraints that act on no body of this rank.
 struct SeeSlices : PeerKernel {
@@ -80,6 +167,11 @@ struct SeeSlices : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     const Slice& slice = s.slice[i];
     const int level = s.aggregate[slice.aggregate].level;
+    // nodes ascend, and without trees all bodies between the cuts are of this rank
+    const PeerHome home{p.cut, p.rank};
+    if (s.treeNodes == 0 && home.has(s.aggregateNode[slice.begin]) &&
+        home.has(s.aggregateNode[slice.end - 1]))
+      return;
     for (int k = slice.begin + lane; k < slice.end; k += lanes) {
       const int body = s.aggregateNode[k];
       // all constraints of own bodies are near
@@ -93,37 +185,30 @@ struct SeeSlices : PeerKernel {
   RUBBLE_HD void seeConstraint(const SolverData& s, std::uint32_t code) const {
     if (constraintType(code) == kContactType) {
       const int row = constraintIndex(code);
-      see(s, p, s.rowBodies[row].a), see(s, p, s.rowBodies[row].b);
-      if (!actsHere(p, endsOfRow(s, row))) p.extraRow[row] = 1;
+      const PeerEnds ends = endsOfRow(s, row);
+      see(s, p, ends);
+      if (!actsHere(p, ends)) p.extraRow[row] = 1;
       return;
     }
     forEachType(JointTypes{}, [&]<class F>() {
       constexpr int kType = typeIndex<F>(JointTypes{});
       if (constraintType(code) != kType + 1) return;
       const PeerEnds ends = endsOfJoint<F>(s, jointIndex<F>(code));
-      for (int side = 0; side < ends.count; ++side) see(s, p, ends.body[side]);
+      see(s, p, ends);
       if (!actsHere(p, ends)) p.extraJoint[kType][jointIndex<F>(code)] = 1;
     });
   }
 };
-/// The neighbors of own bodies.
-struct SeeNeighbors : PeerKernel {
+/// The bodies of own joints. Those of own rows are seen by ShareJoinLevel.
+template <class F> struct SeeJoints : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) see(s, p, s.incidence[k].other);
+    if (s.jointsOf<F>()[i].active) see(s, p, endsOfJoint<F>(s, i));
   }
 };
-/// After they are listed.
-struct ForgetExtraRows : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData&, int row) const { p.extraRow[row] = 0; }
-};
-template <class F> struct ForgetExtraJoints : PeerKernel {
-  RUBBLE_HD void operator()(const SolverData&, int i) const {
-    p.extraJoint[typeIndex<F>(JointTypes{})][i] = 0;
-  }
-};
-/// Asks the owners for rows of own slices.
+/// Asks the owners for rows of own slices, which are listed and need no mark any more.
 struct AskExtraRows : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int row) const {
+    p.extraRow[row] = 0;
     const int from = ownerOf(p, endsOfRow(s, row));
     if (from < 0) return;
     const PeerTables to = peerTables(p, from);
@@ -132,6 +217,7 @@ struct AskExtraRows : PeerPost {
 };
 template <class F> struct AskExtraJoints : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    p.extraJoint[typeIndex<F>(JointTypes{})][i] = 0;
     const int from = ownerOf(p, endsOfJoint<F>(s, i));
     if (from < 0) return;
     const PeerTables to = peerTables(p, from);
@@ -195,13 +281,14 @@ struct BeginAggregateSight : PeerKernel {
     p.sees[i] = p.mixed[i] = s.aggregate[i].soft != 0;
   }
 };
-/// By slice: another rank has its sum.
+/// By slice: this rank or another one has its sum.
 struct MixSlices : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.isMine(p.sliceOwner[i])) p.sees[s.slice[i].aggregate] = 1;
     if (p.sliceOwner[i] != p.rank) p.mixed[s.slice[i].aggregate] = 1;
   }
 };
-/// Own bodies and ghosts. A body of another rank that is no ghost lies in a slice of another rank.
+/// Ghosts and shared bodies. The owner of a slice sees its bodies, so all other own bodies lie in own slices.
 struct SeeAggregates : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int body) const {
     const bool mixed = p.owner[body] != p.rank || p.seenBy[body] != 0;
@@ -211,6 +298,14 @@ struct SeeAggregates : PeerKernel {
       p.sees[aggregate] = 1;
       if (mixed) p.mixed[aggregate] = 1;
     }
+  }
+};
+
+/// Own slices: tables of all ranks grow alike if all count the constraints of all slices.
+struct ShareBoundary : PeerPost {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (p.sliceOwner[i] != p.rank) return;
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.boundaryCount[i], s.boundaryCount[i]); });
   }
 };
 
@@ -337,7 +432,8 @@ struct CountContacts : PeerKernel {
     if (m.recycled) atomicCount(&p.sums[p.rank].recycled, 1);
   }
 };
-/// `countsNear`: the counters of the step have all near contacts; then CountContacts counted those of others.
+/// Ends the part of this rank. `countsNear`: the counters of the step have all near contacts; then
+/// CountContacts counted those of others.
 struct CountPart : PeerKernel {
   bool countsNear;
   RUBBLE_HD void operator()(const SolverData& s, int) const {
@@ -350,6 +446,8 @@ struct CountPart : PeerKernel {
     own.bodies = p.listed[static_cast<int>(PeerList::Bodies)];
     own.ghosts = p.listed[static_cast<int>(PeerList::Ghosts)];
     own.rows = p.listed[static_cast<int>(PeerList::Rows)];
+    own.migrated += p.listed[static_cast<int>(PeerList::MigratingPairs)];
+    p.cut->holdsAll = 0;
   }
 };
 struct TakeCounts : PeerKernel {

@@ -10,7 +10,8 @@ inline constexpr int kPeerBodyCost = 2;
 /// Least number of steps between cuts by imbalance.
 inline constexpr int kPeerPause = 8;
 
-/// Moves the cut, by one thread. Costs are those of the last step: 2 per body and 1 per constraint.
+/// Moves the cut, by one thread. Costs are those of the last step: 2 per body and 1 per constraint. Also
+/// begins the sums of the step.
 struct MoveCut {
   static constexpr const char* kStage = "owners";
   PeerData p;
@@ -20,6 +21,8 @@ struct MoveCut {
   RUBBLE_HD void operator()(const SolverData& s, int) const {
     PeerCut& cut = *p.cut;
     cut.changed = 0, ++cut.since;
+    cut.knownBefore = cut.known, cut.known = s.bodies;
+    p.sums[p.rank] = {};
     if (!isDue(s)) return;
     cut.since = 0, cut.bodies = s.bodies;
     const std::int64_t all = costBefore(s, s.bodies);
@@ -35,6 +38,7 @@ struct MoveCut {
       }
       cut.begin[r] = low;
     }
+    cut.begin[p.ranks] = s.bodies;
   }
 
  private:
@@ -45,8 +49,7 @@ struct MoveCut {
     if (cut.since < kPeerPause) return false;
     std::int64_t most = 0;
     for (int r = 0; r < p.ranks; ++r)
-      most = max(most,
-                 costBefore(s, r + 1 < p.ranks ? cut.begin[r + 1] : s.bodies) - costBefore(s, cut.begin[r]));
+      most = max(most, costBefore(s, cut.begin[r + 1]) - costBefore(s, cut.begin[r]));
     const double mean = static_cast<double>(costBefore(s, s.bodies)) / p.ranks;
     return static_cast<double>(most) > (1 + cut.maxImbalance) * mean;
   }
@@ -57,15 +60,13 @@ struct FindHomes {
   PeerData p;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     // nobody has the state of a body that is new
-    p.ownerBefore[i] = i < p.cut->known ? p.owner[i] : kEveryPeer;
+    p.ownerBefore[i] = i < p.cut->knownBefore ? p.owner[i] : kEveryPeer;
     p.movesBefore[i] = p.moves[i];
     // sights of the last step
     p.seenBy[i] = 0;
     for (int k = 0; k < p.ranks; ++k) p.sightOf(k, i) = 0;
-    int r = 0;
-    while (r + 1 < p.ranks && p.cut->begin[r + 1] <= i) ++r;
     // columns are solved by every rank
-    p.owner[i] = columnBefore(s, i) != 0 ? kEveryPeer : r;
+    p.owner[i] = columnBefore(s, i) != 0 ? kEveryPeer : p.homeOf(i);
     p.moves[i] = s.params[i].kind == BodyKind::Dynamic;
   }
 };
@@ -111,20 +112,6 @@ struct CompareOwners {
     if (p.owner[i] != p.ownerBefore[i] || p.moves[i] != p.movesBefore[i]) p.cut->changed = 1;
   }
 };
-struct EndOwners {
-  static constexpr const char* kStage = "owners";
-  PeerData p;
-  RUBBLE_HD void operator()(const SolverData&, int) const { p.cut->holdsAll = 0; }
-};
-/// Before CompareOwners. Also begins the sums of the step.
-struct KnowBodies {
-  static constexpr const char* kStage = "owners";
-  PeerData p;
-  RUBBLE_HD void operator()(const SolverData& s, int) const {
-    p.cut->known = s.bodies;
-    p.sums[p.rank] = {};
-  }
-};
 
 /// Stores the state of an old pair into the tables of all ranks.
 RUBBLE_HD inline void shareOldPair(const SolverData& s, const PeerData& p, int k) {
@@ -149,7 +136,8 @@ RUBBLE_HD inline bool migrates(const PeerData& p, const PeerEnds& ends) {
 struct MigratingPair {
   PeerData p;
   RUBBLE_HD bool operator()(const SolverData& s, int k) const {
-    return migrates(p, endsOfPair(s.oldPair[k]));
+    // in most steps no body has a new owner, and no pair is read
+    return p.cut->changed != 0 && migrates(p, endsOfPair(s.oldPair[k]));
   }
 };
 /// To all ranks.
@@ -167,14 +155,7 @@ template <class F> struct MigrateJoints {
     if (migrates(p, endsOfJoint<F>(s, i))) shareJoint<F>(s, p, i);
   }
 };
-/// How many of them there are.
-struct CountMigratedPairs {
-  static constexpr const char* kStage = "owners";
-  PeerData p;
-  RUBBLE_HD void operator()(const SolverData&, int) const {
-    p.sums[p.rank].migrated += p.listed[static_cast<int>(PeerList::MigratingPairs)];
-  }
-};
+/// How many of them there are. Pairs are counted by their list.
 template <class F> struct CountMigratedJoints {
   static constexpr const char* kStage = "owners";
   PeerData p;

@@ -13,6 +13,7 @@
 ///   barrier()                 waits for all ranks; what was stored before it is visible after it
 ///   barrierIf(counter)        the same if the counter is not zero. It is equal on all ranks.
 ///   kCountsNear               counters count near elements, and not only those that this rank counts
+///   storesAtOnce()            kernels of the step store what they compute (Storing), where that is possible
 ///
 /// A rank may be one interval between barriers ahead of another. Each exchange says why nobody reads in the
 /// interval what it stores. Kernels that store (kPosts) come last before a barrier: where letters lack room,
@@ -31,12 +32,36 @@ template <class M, class F> void eachJointType(M& m, F&& f) {
   });
 }
 
-/// Begins a step. Stores old manifolds and joints, which the stages before do not read. A rank may still be
-/// at the edits before the step, so a barrier precedes.
+/// Begins a step.
+template <class M> void findHomes(M& m) { m.each(MoveCut{m.data()}, 1); }
+/// All ranks have cleared their counts of pairs, and found what they can, when a barrier precedes.
+template <class M> void shareFound(M& m) {
+  const PeerData p = m.data();
+  if (!p.home().cut) return;
+  m.barrier();
+  m.each(GivePartners{{p}}, m.tables().bodies);
+  m.barrier();
+}
+/// Counts of bodies at home elsewhere, which their own rank alone has read since it was given partners.
+template <class M> void sharePairCounts(M& m) {
+  if (!m.data().home().cut) return;
+  m.each(SharePairCounts{{{m.data()}}}, m.tables().bodies);
+  m.barrier();
+}
+/// Pairs, or partners: the last reader is in the step before.
+template <class M> void sharePartners(M& m) {
+  const SolverData& s = m.tables();
+  if (!m.data().home().cut) return;
+  m.each(SharePartners{{{m.data()}}}, &Counters::pairs);
+  m.barrier();
+  if (!s.generalShapes) m.each(TakePartners{{m.data()}}, s.bodies);
+}
+
+/// Finds owners. Stores old manifolds and joints, which the stages before do not read. A rank that has met no
+/// other one in this step may still be at the edits before it, so a barrier precedes.
 template <class M> void beginStep(M& m) {
   const SolverData& s = m.tables();
   const PeerData p = m.data();
-  m.each(MoveCut{p}, 1);
   m.each(FindHomes{p}, s.bodies);
   if (s.vertices > 0) {
     m.each(ShareAttachedBodies{p}, s.attachments);
@@ -44,23 +69,20 @@ template <class M> void beginStep(M& m) {
   }
   m.each(ShareTrees{p}, s.treeNodes);
   m.each(UnifyTrees{p}, s.treeNodes);
-  m.each(KnowBodies{p}, 1);
   m.each(CompareOwners{p}, s.bodies);
-  m.barrier();
+  if (!p.home().cut) m.barrier();
   m.selectOld(PeerList::MigratingPairs, MigratingPair{p});
-  m.each(CountMigratedPairs{p}, 1);
   eachJointType(m, [&]<class F>(int n) { m.each(CountMigratedJoints<F>{p}, n); });
   m.eachOf(PeerList::MigratingPairs, MigratePairs{p});
   eachJointType(m, [&]<class F>(int n) { m.each(MigrateJoints<F>{p}, n); });
   m.barrier();
-  m.each(EndOwners{p}, 1);
   m.select(PeerList::Pairs, NearPair{p}, &Counters::pairs);
   eachJointType(m, [&]<class F>(int n) { m.select(listOfJoints<F>(PeerJoints::Own), NearJoint<F>{p}, n); });
 }
 
 /// Flags of pairs and manifolds: the last reader is in the step before.
 template <class M> void shareActivity(M& m) {
-  m.eachOf(PeerList::Pairs, ShareActivity{{{m.data()}}});
+  if (!m.storesAtOnce()) m.eachOf(PeerList::Pairs, ShareActivity{{{m.data()}}});
   m.barrier();
 }
 template <class M> void listActivePairs(M& m) {
@@ -79,6 +101,23 @@ template <class M> void shareRows(M& m) {
   if (m.tables().bounces) m.each(ShareWhetherBouncing{{{p}}}, 1);
   m.barrier();
   if (m.tables().bounces) m.each(TakeWhetherBouncing{{p}}, 1);
+  if (!m.tables().plan.coarseCorrection) return;
+  // with two ranks there are no others
+  if (p.ranks > 2) m.select(PeerList::CrossRows, CrossRow{p}, &Counters::manifolds);
+  m.join(PeerList::JoinedRows, PeerList::CrossRows);
+}
+
+/// Each level has its own memory, which only the exchange of the same level in the step before has read.
+template <class M> void shareRoots(M& m, int level) {
+  const PeerData p = m.data();
+  m.each(ShareRoots{{{p}}, level}, m.tables().bodies);
+  m.barrier();
+  m.each(JoinSharedRoots{{p}, level}, m.tables().bodies);
+}
+/// Counts of slices: the last reader is in the step before.
+template <class M> void shareBoundary(M& m) {
+  m.eachOf(PeerList::Slices, ShareBoundary{{{m.data()}}});
+  m.barrier();
 }
 
 /// What this rank evaluates and sees in the iterations. Asks for rows and joints of slices at a border, which
@@ -94,17 +133,13 @@ template <class M> void plan(M& m) {
     m.select(PeerList::Slices, OwnSlice{p}, &Counters::slices);
     m.eachOf(PeerList::Slices, SeeSlices{{p}});
     m.select(PeerList::ExtraRows, ExtraRow{p}, &Counters::manifolds);
-    m.eachOf(PeerList::ExtraRows, ForgetExtraRows{{p}});
   }
   m.join(PeerList::Rows, PeerList::ExtraRows);
   eachJointType(m, [&]<class F>(int n) {
-    if (coarse) {
-      m.select(listOfJoints<F>(PeerJoints::Extra), ExtraJoint<F>{p}, n);
-      m.eachOf(listOfJoints<F>(PeerJoints::Extra), ForgetExtraJoints<F>{{p}});
-    }
+    if (coarse) m.select(listOfJoints<F>(PeerJoints::Extra), ExtraJoint<F>{p}, n);
     m.join(listOfJoints<F>(PeerJoints::All), listOfJoints<F>(PeerJoints::Extra));
+    m.eachOf(listOfJoints<F>(PeerJoints::Own), SeeJoints<F>{{p}});
   });
-  m.eachOf(PeerList::Bodies, SeeNeighbors{{p}});
   m.select(PeerList::Ghosts, Ghost{p}, s.bodies);
   if (coarse) {
     m.eachOf(PeerList::ExtraRows, AskExtraRows{{{p}}});
@@ -125,7 +160,8 @@ template <class M> void plan(M& m) {
   m.join(PeerList::SeenBodies, PeerList::Ghosts);
   m.each(BeginAggregateSight{{p}}, &Counters::aggregates);
   m.each(MixSlices{{p}}, &Counters::slices);
-  m.eachOf(PeerList::SeenBodies, SeeAggregates{{p}});
+  m.eachOf(PeerList::SharedBodies, SeeAggregates{{p}});
+  m.eachOf(PeerList::Ghosts, SeeAggregates{{p}});
   m.select(PeerList::SeenSlices, SeenSlice{p}, &Counters::slices);
   m.select(PeerList::MixedSlices, MixedSlice{p}, &Counters::slices);
   m.select(PeerList::SentSlices, SentSlice{p}, &Counters::slices);
@@ -192,6 +228,14 @@ template <class M> void share(M& m, Share what, int which) {
     case Share::ColorPoses:
     case Share::NodePoses:
       return;
+    case Share::Homes:
+      return findHomes(m);
+    case Share::Found:
+      return shareFound(m);
+    case Share::PairCounts:
+      return sharePairCounts(m);
+    case Share::Partners:
+      return sharePartners(m);
     case Share::Owners:
       return beginStep(m);
     case Share::Activity:
@@ -200,6 +244,10 @@ template <class M> void share(M& m, Share what, int which) {
       return shareTouches(m);
     case Share::Rows:
       return shareRows(m);
+    case Share::Roots:
+      return shareRoots(m, which);
+    case Share::Boundary:
+      return shareBoundary(m);
     case Share::SliceSums:
       return shareSums(m, which);
     case Share::TreePoses:
