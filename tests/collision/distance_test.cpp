@@ -86,7 +86,7 @@ TEST(TimeOfImpact, OfSpheresInContactDoesNotDependOnTheirSpin) {
   EXPECT_GT(deeper, 20);
 }
 
-/// For fast-spinning bodies the time of impact is neither missed nor invented.
+/// For fast-spinning bodies the time of impact is neither missed nor invented, also where motions end early.
 TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
   constexpr int kSamples = 2000;
   constexpr double kTolerance = 1e-3;
@@ -96,7 +96,9 @@ TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
   int impacts = 0, misses = 0;
   for (int k = 0; k < 320; ++k) {
     const Placed a = somewhere(random, shapes[k % 4], .6), b = somewhere(random, shapes[k / 4 % 4], .6);
-    const SweptMotion motionA = someWay(random, .6, 3.), motionB = someWay(random, .6, 3.);
+    SweptMotion motionA = someWay(random, .6, 3.), motionB = someWay(random, .6, 3.);
+    if (k % 3 == 0) motionA.until = .2 + .1 * (k % 5);
+    if (k % 5 == 0) motionB.until = .1 + .2 * (k % 4);
     if (separation(a, b).distance <= kTolerance) continue;
     const TimeOfImpact m = timeOfImpact(a, motionA, b, motionB, kTolerance);
     const bool meets = m.fraction <= 1;

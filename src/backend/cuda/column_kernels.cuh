@@ -7,6 +7,9 @@
 namespace rubble::RUBBLE_CORE {
 
 inline constexpr int kColumnThreads = 512;
+/// Few blocks, for most worlds have no column, and what follows waits until all have ended. An odd number keeps
+/// columns of one length from meeting in few of them.
+inline constexpr int kColumnBlocks = 63;
 
 /// The column of nodes [begin, end), solved by all threads of a block.
 class ColumnOfBlock {
@@ -199,8 +202,7 @@ class ColumnOfBlock {
   const int lane_ = static_cast<int>(threadIdx.x) % kWarp, warp_ = static_cast<int>(threadIdx.x) / kWarp;
 };
 
-/// Each block solves the columns that begin at every gridDim.x-th node. An odd number of blocks keeps columns
-/// of one length from meeting in few of them.
+/// Each block solves the columns that begin at every gridDim.x-th node.
 static __global__ void __launch_bounds__(kColumnThreads)
     solveColumns(const __grid_constant__ SolverData s, const int* nodes, Gate gate) {
   gate.enter([&] {
