@@ -10,6 +10,7 @@
 #include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/cuda_peers.h"
 #include "backend/cuda/pair_kernels.cuh"
+#include "backend/cuda/peer_kernels.cuh"
 #include "backend/cuda/point_kernels.cuh"
 #include "backend/cuda/scan_launcher.cuh"
 #include "backend/cuda/strand_kernels.cuh"
@@ -226,6 +227,7 @@ class CudaExecutor : private ScanLauncher {
 
   /// Stages in which a few elements have very many parts.
   void run(const WritePairs<false>&, int n) { runByWarp(WritePairsByWarp{}, n); }
+  void run(const AtHome<WritePairs<false>>& kernel, int n) { runByWarp(WritePairsByWarp{kernel.home}, n); }
   void run(const FindClashes&, int n) { runByWarp(FindClashesByWarp{}, n); }
   void run(const SortIncidences&, int n) {
     startList(highDegree_, SortIncidences::kStage);
@@ -376,8 +378,8 @@ class CudaExecutor : private ScanLauncher {
     peers_->share(D::kBefore, which);
     if constexpr (D::kCut == Cut::ActivePairs) peers_->listActivePairs();
     if constexpr (D::kCut > Cut::Tested) peers_->plan();
-    if constexpr (std::same_as<Kernel, WritePairs<false>>)
-      runByWarp(WritePairsByWarp{peers_->data().home()}, n);
+    if constexpr (std::same_as<Kernel, FindCorrections>)
+      runByWarp(FindAndShareMotion{{{{peers_->data()}}}}, n);
     else if constexpr (D::kCut == Cut::Homes)
       run(AtHome<Kernel>{kernel, peers_->data().home()}, n);
     else if constexpr (std::same_as<Kernel, FindActivePairs>)
