@@ -9,7 +9,7 @@ namespace rubble::RUBBLE_CORE {
 /// The elements that a rank runs.
 enum class Cut {
   Whole,
-  Homes,            ///< a range of all bodies, near to its own ones
+  Homes,            ///< the bodies between its cuts, of any kind and whoever solves them
   Pairs,            ///< broad-phase pairs that touch a body of the rank
   ActivePairs,      ///< the same, of the active pairs
   JoinedRows,       ///< contact rows of its bodies, and those between bodies of two other ranks
