@@ -9,7 +9,7 @@ namespace rubble::RUBBLE_CORE {
 /// The elements that a rank runs.
 enum class Cut {
   Whole,
-  Homes,            ///< a range of all bodies, near to its own ones
+  Homes,            ///< the bodies between its cuts, of any kind and whoever solves them
   Pairs,            ///< broad-phase pairs that touch a body of the rank
   ActivePairs,      ///< the same, of the active pairs
   JoinedRows,       ///< contact rows of its bodies, and those between bodies of two other ranks
@@ -33,26 +33,27 @@ enum class Cut {
 /// What ranks exchange.
 enum class Share {
   None,
-  Homes,       ///< begins a step: ranges of bodies
-  Found,       ///< partners that a rank has found for bodies of other ranges
-  PairCounts,  ///< `pairCount` of all bodies
-  Partners,    ///< all pairs
-  Owners,      ///< owners of bodies, and old manifolds for new owners
-  Activity,    ///< `isActive` of all pairs
-  Touches,     ///< `hasRows` of all active pairs
-  Rows,        ///< `rowBodies` and `joinLevel` of all rows
-  Roots,       ///< roots of aggregates of a level, which each rank has found from its rows
-  Boundary,    ///< `boundaryCount` of all slices
-  SliceSums,   ///< sums of the slices of a level, to the ranks that see a body of their aggregates
-  ColorPoses,  ///< poses of the bodies of a color, to the ranks that see them
-  NodePoses,   ///< poses of other bodies of slices, to the ranks that own the slices
-  TreePoses,   ///< poses of the bodies of joint trees, likewise
-  Motion,      ///< displacements of all bodies at the end of the iterations
-  Breaks,      ///< the joints that broke
-  FastPairs,   ///< manifolds of the pairs of fast bodies
-  BounceRows,  ///< all contact rows, if any contact bounces
-  Gaps,        ///< joint projections of trees that need one
-  Counts,      ///< ends a step: counters that ranks counted in parts
+  Homes,         ///< begins a step: ranges of bodies
+  Found,         ///< partners that a rank has found for bodies of other ranges
+  PairCounts,    ///< `pairCount` of all bodies
+  Partners,      ///< all pairs
+  Owners,        ///< owners of bodies, and old manifolds for new owners
+  Activity,      ///< `isActive` of all pairs
+  Touches,       ///< `hasRows` of all active pairs
+  Rows,          ///< `rowBodies` and `joinLevel` of all rows
+  Roots,         ///< roots of aggregates of a level, which each rank has found from its rows
+  Boundary,      ///< `boundaryCount` of all slices
+  SliceSums,     ///< sums of the slices of a level, to the ranks that see a body of their aggregates
+  ColorPoses,    ///< poses of the bodies of a color, to the ranks that see them
+  NodePoses,     ///< poses of other bodies of slices, to the ranks that own the slices
+  TreePoses,     ///< poses of the bodies of joint trees, likewise
+  MotionBegins,  ///< nobody reads displacements any more
+  Motion,        ///< displacements of all bodies at the end of the iterations
+  Breaks,        ///< the joints that broke
+  FastPairs,     ///< manifolds of the pairs of fast bodies
+  BounceRows,    ///< all contact rows, if any contact bounces
+  Gaps,          ///< joint projections of trees that need one
+  Counts,        ///< ends a step: counters that ranks counted in parts
 };
 
 /// How the executor of one rank divides its step.
@@ -115,7 +116,7 @@ struct Divided<BuildContactRows<L>> : DividedBy<Cut::ActivePairs, Share::None, S
 template <class L> struct Divided<UpdateContactDuals<L>> : DividedBy<Cut::Rows, Share::NodePoses> {};
 template <> struct Divided<UpdateRollingDuals> : DividedBy<Cut::Rows> {};
 template <class L> struct Divided<FinishContacts<L>> : DividedBy<Cut::OwnRows> {};
-template <> struct Divided<FindCorrections> : DividedBy<Cut::Bodies, Share::None, Share::Motion> {};
+template <> struct Divided<FindCorrections> : DividedBy<Cut::Bodies, Share::MotionBegins, Share::Motion> {};
 // joints and joint trees
 template <class F>
 struct Divided<LinearizeAngularRows<F>> : DividedJoints<Cut::Joints, F, Share::NodePoses> {};

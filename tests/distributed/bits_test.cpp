@@ -175,6 +175,19 @@ TEST(Ranks, KeepTheBitsThroughEdits) {
   EXPECT_EQ(one.hash(), team.hash());
 }
 
+/// Cubes in one another, across a border of cells: those of higher number find the others, which own the
+/// pairs.
+TEST(Ranks, FindMorePartnersForOneAnotherThanABodyHasSlotsFor) {
+  Scene scene = test::emptyScene();
+  for (int i = 0; i < 48; ++i) scene.bodies.push_back(test::unitCube({1.47 - 0.02 * i, 0, 2}));
+  for (const RankExchange exchange :
+       {RankExchange::Stores, RankExchange::StoresInTurns, RankExchange::Letters}) {
+    World one(scene, test::options(4)), team(scene, onRanks(test::options(4), 3, 1, exchange));
+    for (World* world : {&one, &team}) EXPECT_GT(world->step().pairs, 48 * 20);
+    EXPECT_EQ(differences(one, team), "") << static_cast<int>(exchange);
+  }
+}
+
 TEST(Ranks, GoOnFromTheBytesOfASnapshot) {
   World whole(test::heap(4), test::options(4)), part(test::heap(4), onRanks(test::options(4), 3, 2));
   test::run(whole, 30), test::run(part, 20);

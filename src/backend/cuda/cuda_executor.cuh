@@ -11,6 +11,7 @@
 #include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/cuda_peers.h"
 #include "backend/cuda/pair_kernels.cuh"
+#include "backend/cuda/peer_kernels.cuh"
 #include "backend/cuda/point_kernels.cuh"
 #include "backend/cuda/scan_launcher.cuh"
 #include "backend/cuda/strand_kernels.cuh"
@@ -240,6 +241,7 @@ class CudaExecutor : private ScanLauncher {
 
   /// Stages in which a few elements have very many parts.
   void run(const WritePairs<false>&, int n) { writePairs(n, {}); }
+  void run(const AtHome<WritePairs<false>>& kernel, int n) { writePairs(n, kernel.home); }
   void writePairs(int n, const PeerHome& home) {
     // bodies of a warp with many partners take turns
     withLanes<1, 8>(lanesFor<1, 8>(n, residentThreads()), [&]<int kLanes>() {
@@ -397,8 +399,8 @@ class CudaExecutor : private ScanLauncher {
     peers_->share(D::kBefore, which);
     if constexpr (D::kCut == Cut::ActivePairs) peers_->listActivePairs();
     if constexpr (D::kCut > Cut::Tested) peers_->plan();
-    if constexpr (std::same_as<Kernel, WritePairs<false>>)
-      writePairs(n, peers_->data().home());
+    if constexpr (std::same_as<Kernel, FindCorrections>)
+      runByWarp(FindAndShareMotion{{{{peers_->data()}}}}, n);
     else if constexpr (D::kCut == Cut::Homes)
       run(AtHome<Kernel>{kernel, peers_->data().home()}, n);
     else if constexpr (std::same_as<Kernel, FindActivePairs>)

@@ -104,30 +104,38 @@ struct GivePartnersAcross {
 };
 template <> struct OnDevice<GivePartners> { using Type = GivePartnersAcross; };
 
-/// Lanes share the motion of a body so that those of a warp fill whole lines: stores of a few bytes each
-/// take as long on the connection as whole lines.
-struct ShareMotionByTile {
-  static constexpr const char* kStage = ShareMotion::kStage;
-  static constexpr bool kPosts = ShareMotion::kPosts;
-  static constexpr int kWidth = 4;
+/// FindCorrections for the own ones of 32 bodies, and ShareMotion unless that posts letters. Four lanes share
+/// the motion of a body, so that those of the warp fill whole lines: stores of a few bytes each take as long
+/// on the connection as whole lines.
+struct FindAndShareMotion {
+  static constexpr const char* kStage = FindCorrections::kStage;
+  static constexpr int kWidth = kWarp, kLanesPerBody = 4;
   ShareMotion share;
-  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int warp, const Tile<kWidth>& tile) const {
+    const int first = warp * kWarp, i = first + tile.lane;
+    const bool own = i < s.bodies && OwnBody{share.p}(s, i);
+    if (own) FindCorrections{}(s, i);
+    const unsigned sent = tile.ballot(own && !share.p.box && share.p.owner[i] >= 0);
+    __syncwarp(tile.mask);
+    for (int k = tile.lane / kLanesPerBody; k < kWarp; k += kWarp / kLanesPerBody)
+      if (sent >> k & 1) sharePart(s, first + k, tile.lane % kLanesPerBody);
+  }
+
+ private:
+  __device__ void sharePart(const SolverData& s, int i, int part) const {
     static_assert(sizeof(Displacement) == 2 * sizeof(Lanes) && sizeof(Quat) == sizeof(Lanes));
-    if (share.p.owner[i] < 0) return;
-    const int lane = tile.lane;
-    // lanes 0 and 1: halves of dx; lane 2: dq
-    const auto part = [&](const SolverData& of) {
-      return lane < 2 ? reinterpret_cast<Lanes*>(of.dx + i) + lane : reinterpret_cast<Lanes*>(of.dq + i);
+    // parts 0 and 1: halves of dx; part 2: dq
+    const auto of = [&](const SolverData& t) {
+      return part < 2 ? reinterpret_cast<Lanes*>(t.dx + i) + part : reinterpret_cast<Lanes*>(t.dq + i);
     };
     forEachPeer(share.p, [&](const PeerTables& to) {
-      if (lane < 3)
-        to.put(*part(to.s), *part(s)), to.put(to.s.nextCorrection[i][lane], s.nextCorrection[i][lane]);
+      if (part < 3)
+        to.put(*of(to.s), *of(s)), to.put(to.s.nextCorrection[i][part], s.nextCorrection[i][part]);
       else
         to.put(to.s.fast[i], s.fast[i]);
     });
   }
 };
-template <> struct OnDevice<ShareMotion> { using Type = ShareMotionByTile; };
 
 /// ShareColor for the bodies of a color among those that others see.
 struct ShareSeenOfColor : PeerPost {

@@ -105,6 +105,7 @@ void RankDivision::share(Share what, int which) {
     case Share::Partners:
     case Share::Roots:
     case Share::Boundary:
+    case Share::MotionBegins:
       return;
     case Share::Owners:
       return beginStep();

@@ -183,9 +183,9 @@ template <class M> void shareTreePoses(M& m) {
   m.barrier();
 }
 /// The same.
+template <class M> void beginMotion(M& m) { m.barrier(); }
 template <class M> void shareMotion(M& m) {
-  m.barrier();
-  m.eachOf(PeerList::Bodies, ShareMotion{{{m.data()}}});
+  if (!m.storesAtOnce()) m.eachOf(PeerList::Bodies, ShareMotion{{{m.data()}}});
   m.barrier();
 }
 /// From here on owners store rows, manifolds and joints that others do not have, or have with the same bits.
@@ -252,6 +252,8 @@ template <class M> void share(M& m, Share what, int which) {
       return shareSums(m, which);
     case Share::TreePoses:
       return shareTreePoses(m);
+    case Share::MotionBegins:
+      return beginMotion(m);
     case Share::Motion:
       return shareMotion(m);
     case Share::Breaks:
