@@ -7,8 +7,8 @@
 namespace rubble::RUBBLE_CORE {
 
 inline constexpr int kColumnThreads = 512;
-/// Few blocks, for most worlds have no column, and what follows waits until all have ended. An odd number keeps
-/// columns of one length from meeting in few of them.
+/// Few blocks, for most worlds have no column, and what follows waits until all have ended. An odd number
+/// keeps columns of one length from meeting in few of them.
 inline constexpr int kColumnBlocks = 63;
 
 /// The column of nodes [begin, end), solved by all threads of a block.

@@ -274,50 +274,15 @@ class CudaExecutor : private ScanLauncher {
   template <class Take, class Propose>
   void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
               int Counters::*turn) {
-    if (observer_) return roundsOneByOne(take, propose, count, left, turn);
+    if (observer_)
+      return roundsOneByOne(
+          count, left, turn, kMaxRounds, [&](int n) { forEach(take, n); },
+          [&](int n) { forEach(propose, n); });
     if (!begins()) return;
     enterStage(Take::kStage);
-    cudaLaunchAttribute together{};
-    together.id = cudaLaunchAttributeCooperative;
-    together.val.cooperative = 1;
-    cudaLaunchConfig_t config{};
-    config.gridDim = dim3(static_cast<unsigned>(processors_));
-    config.blockDim = dim3(kRoundThreads);
-    config.stream = stream_;
-    config.attrs = &together;
-    config.numAttrs = 1;
-    const int* const n = counter(count);
-    checkCuda(cudaLaunchKernelEx(&config, runRounds<Take, Propose>, view(), take, InBatches<Propose>{propose},
-                                 n, counter(left), counter(turn), kMaxRounds, Gate{control_}),
-              "rounds");
-    afterKernel_ = false;
-  }
-
-  /// The same from the host, so that each kernel is announced. It counts as one operation, as above: a step
-  /// that stops later is resumed by number.
-  template <class Take, class Propose>
-  void roundsOneByOne(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
-                      int Counters::*turn) {
-    if (!begins()) return;
-    const int next = operation_;
-    Counters c;
-    const auto copy = [&](void* to, const void* from, cudaMemcpyKind kind) {
-      checkCuda(cudaMemcpyAsync(to, from, sizeof(int), kind, stream_), "cudaMemcpyAsync");
-      checkCuda(cudaStreamSynchronize(stream_), "rounds");
-      afterKernel_ = false;
-    };
-    while (true) {
-      copy(&(c.*count), counter(count), cudaMemcpyDeviceToHost);
-      copy(&(c.*left), counter(left), cudaMemcpyDeviceToHost);
-      copy(&(c.*turn), counter(turn), cudaMemcpyDeviceToHost);
-      operation_ = next;
-      if (c.*left == 0 || c.*turn >= kMaxRounds) return;
-      forEach(take, c.*count);
-      c.*left = 0, ++(c.*turn);
-      copy(counter(left), &(c.*left), cudaMemcpyHostToDevice);
-      copy(counter(turn), &(c.*turn), cudaMemcpyHostToDevice);
-      forEach(propose, c.*count);
-    }
+    launchTogether(runRounds<Take, Propose>, kRoundThreads, "rounds", view(), take,
+                   InBatches<Propose>{propose}, counter(count), counter(left), counter(turn), kMaxRounds,
+                   Gate{control_});
   }
 
   /// One launch for each of the first colors, and one for all others.

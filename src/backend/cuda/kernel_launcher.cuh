@@ -149,6 +149,47 @@ class KernelLauncher {
     checkCuda(cudaLaunchKernelEx(&config, kernel, std::forward<Given>(arguments)...), name);
     afterKernel_ = launchesEarly_;
   }
+  /// The same with barriers across the grid, of one block per multiprocessor.
+  template <class... Wanted, class... Given>
+  void launchTogether(void (*kernel)(Wanted...), int threads, const char* name, Given&&... arguments) {
+    cudaLaunchAttribute together{};
+    together.id = cudaLaunchAttributeCooperative;
+    together.val.cooperative = 1;
+    cudaLaunchConfig_t config{};
+    config.gridDim = dim3(static_cast<unsigned>(processors_));
+    config.blockDim = dim3(static_cast<unsigned>(threads));
+    config.stream = stream_;
+    config.attrs = &together;
+    config.numAttrs = 1;
+    checkCuda(cudaLaunchKernelEx(&config, kernel, std::forward<Given>(arguments)...), name);
+    afterKernel_ = false;
+  }
+  /// Rounds of two kernels from the host, so that each is announced, while any element is left. take(n) and
+  /// propose(n) run them. It counts as one operation: a step that stops later is resumed by number.
+  template <class Take, class Propose>
+  void roundsOneByOne(int Counters::*count, int Counters::*left, int Counters::*turn, int most, Take&& take,
+                      Propose&& propose) {
+    if (!begins()) return;
+    const int next = operation_;
+    Counters c;
+    const auto copy = [&](void* to, const void* from, cudaMemcpyKind kind) {
+      checkCuda(cudaMemcpyAsync(to, from, sizeof(int), kind, stream_), "cudaMemcpyAsync");
+      checkCuda(cudaStreamSynchronize(stream_), "rounds");
+      afterKernel_ = false;
+    };
+    while (true) {
+      copy(&(c.*count), counter(count), cudaMemcpyDeviceToHost);
+      copy(&(c.*left), counter(left), cudaMemcpyDeviceToHost);
+      copy(&(c.*turn), counter(turn), cudaMemcpyDeviceToHost);
+      operation_ = next;
+      if (c.*left == 0 || c.*turn >= most) return;
+      take(c.*count);
+      c.*left = 0, ++(c.*turn);
+      copy(counter(left), &(c.*left), cudaMemcpyHostToDevice);
+      copy(counter(turn), &(c.*turn), cudaMemcpyHostToDevice);
+      propose(c.*count);
+    }
+  }
 
   DeviceTables& tables_;
   cudaStream_t stream_;
