@@ -38,6 +38,18 @@ TEST_F(CudaStep, AgreesWithTheCpuWhileAPileSettles) {
 }
 
 /// A build with RUBBLE_STRICT promises the bits of the CPU.
+/// More columns than blocks that solve them, of 12 to 51 cubes: the lowest ones are none (stages/columns).
+TEST_F(CudaStep, AgreesWithTheCpuOnColumnsOfManyHeights) {
+  constexpr int kColumns = 80, kLeast = 12, kHeights = 40;
+  Scene scene = ground();
+  for (int k = 0; k < kColumns; ++k)
+    for (int level = 0; level < kLeast + k % kHeights; ++level)
+      scene.bodies.push_back(boxAt({3.0 * k, 0, level + .5}));
+  World cpu(scene, optionsFor("cpu")), cuda(scene, optionsFor("cuda"));
+  run(cpu, 60), run(cuda, 60);
+  EXPECT_LT(distance(cpu, cuda), 1e-3);
+  EXPECT_EQ(cuda.step().quarantined, 0);
+}
 TEST_F(CudaStep, HasTheBitsOfTheCpuInAStrictBuild) {
   const std::vector<std::string> features = buildInfo().features;
   if (std::none_of(features.begin(), features.end(),
