@@ -13,7 +13,8 @@ def predictions(text):
     """For each table of predictions, times by scene and number of GPUs [ms]."""
     tables = []
     for block in re.findall(r"\| scene \| 1 GPU \|.*?\n\n", text, re.S)[:2]:
-        lines = [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in block.strip().splitlines()]
+        lines = [[cell.strip(" `") for cell in line.strip("|").split("|")]
+                 for line in block.strip().splitlines()]
         counts = [int(cell.split()[0]) for cell in lines[0][1:]]
         tables.append({line[0]: dict(zip(counts, map(float, line[1:]))) for line in lines[2:]})
     return tables
@@ -41,7 +42,8 @@ def chart(measured, text):
         out.append(f'<text x="{x(gpus):.1f}" y="{HEIGHT - BOTTOM + 20}" text-anchor="middle">{gpus}</text>')
     out.append(f'<text x="{LEFT}" y="{TOP - 8}">settled step [ms]</text>')
     out.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 8}" text-anchor="middle">GPUs</text>')
-    out.append(f'<path d="M{LEFT} {y(FRAME_MS):.1f}H{WIDTH - RIGHT}" stroke="#777777" stroke-dasharray="1 3"/>'
+    out.append(f'<path d="M{LEFT} {y(FRAME_MS):.1f}H{WIDTH - RIGHT}" stroke="#777777" '
+               'stroke-dasharray="1 3"/>'
                f'<text x="{LEFT + 6}" y="{y(FRAME_MS) + 14:.1f}" fill="#777777">60 Hz</text>')
     divided, least = predictions(text)
     for scene, color in COLORS.items():
@@ -51,5 +53,6 @@ def chart(measured, text):
         out += [f'<circle cx="{x(n):.1f}" cy="{y(ms):.1f}" r="3.5" fill="{color}"/>'
                 for n, ms in sorted(measured[scene].items())]
         last = max(measured[scene])
-        out.append(f'<text x="{x(last) + 8:.1f}" y="{y(measured[scene][last]) + 4:.1f}" fill="{color}">{scene}</text>')
+        out.append(f'<text x="{x(last) + 8:.1f}" y="{y(measured[scene][last]) + 4:.1f}" '
+                   f'fill="{color}">{scene}</text>')
     return "\n".join(out + ["</svg>"]) + "\n"

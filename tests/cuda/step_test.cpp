@@ -37,7 +37,6 @@ TEST_F(CudaStep, AgreesWithTheCpuWhileAPileSettles) {
   EXPECT_EQ(cpu.contacts().empty(), cuda.contacts().empty());
 }
 
-/// A build with RUBBLE_STRICT promises the bits of the CPU.
 /// More columns than blocks that solve them, of 12 to 51 cubes: the lowest ones are none (stages/columns).
 TEST_F(CudaStep, AgreesWithTheCpuOnColumnsOfManyHeights) {
   constexpr int kColumns = 80, kLeast = 12, kHeights = 40;
@@ -50,6 +49,8 @@ TEST_F(CudaStep, AgreesWithTheCpuOnColumnsOfManyHeights) {
   EXPECT_LT(distance(cpu, cuda), 1e-3);
   EXPECT_EQ(cuda.step().quarantined, 0);
 }
+
+/// A build with RUBBLE_STRICT promises the bits of the CPU.
 TEST_F(CudaStep, HasTheBitsOfTheCpuInAStrictBuild) {
   const std::vector<std::string> features = buildInfo().features;
   if (std::none_of(features.begin(), features.end(),

@@ -6,10 +6,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
+/// Threads of a block: a warp for each of 16 bodies, the half of a column of 32.
 inline constexpr int kColumnThreads = 512;
-/// Few blocks, for most worlds have no column, and what follows waits until all have ended. An odd number
-/// keeps columns of one length from meeting in few of them.
-inline constexpr int kColumnBlocks = 63;
 
 /// The column of nodes [begin, end), solved by all threads of a block.
 class ColumnOfBlock {
@@ -202,7 +200,8 @@ class ColumnOfBlock {
   const int lane_ = static_cast<int>(threadIdx.x) % kWarp, warp_ = static_cast<int>(threadIdx.x) / kWarp;
 };
 
-/// Each block solves the columns that begin at every gridDim.x-th node.
+/// Each block solves the columns that begin at every gridDim.x-th node. An odd number of blocks keeps columns
+/// of one length from meeting in few of them.
 static __global__ void __launch_bounds__(kColumnThreads)
     solveColumns(const __grid_constant__ SolverData s, const int* nodes, Gate gate) {
   gate.enter([&] {

@@ -214,7 +214,7 @@ class CudaExecutor : private ScanLauncher {
     if constexpr (kStrict) return run<SolveColumns>(kernel, n);
     if (!begins()) return;
     enterStage(SolveColumns::kStage);
-    launchNext(solveColumns, {kColumnBlocks, kColumnThreads}, SolveColumns::kStage, view(), counter(n),
+    launchNext(solveColumns, {processors_ | 1, kColumnThreads}, SolveColumns::kStage, view(), counter(n),
                Gate{control_});
   }
 

@@ -49,26 +49,17 @@ template <class F> constexpr PeerList listOfJoints(PeerJoints kind) {
 }
 /// The list of the elements of a cut. FirstJoint: there is none, or it depends on more than the cut.
 constexpr PeerList peerListOf(Cut cut) {
-  switch (cut) {
-    case Cut::Pairs:
-      return PeerList::Pairs;
-    case Cut::ActivePairs:
-      return PeerList::ActivePairs;
-    case Cut::JoinedRows:
-      return PeerList::JoinedRows;
-    case Cut::Rows:
-      return PeerList::Rows;
-    case Cut::OwnRows:
-      return PeerList::OwnRows;
-    case Cut::Bodies:
-      return PeerList::Bodies;
-    case Cut::Slices:
-      return PeerList::Slices;
-    case Cut::SeenSlices:
-      return PeerList::SeenSlices;
-    default:
-      return PeerList::FirstJoint;
-  }
+  using List = PeerList;
+  constexpr struct {
+    Cut cut;
+    PeerList list;
+  } kLists[] = {{Cut::Pairs, List::Pairs},           {Cut::ActivePairs, List::ActivePairs},
+                {Cut::JoinedRows, List::JoinedRows}, {Cut::Rows, List::Rows},
+                {Cut::OwnRows, List::OwnRows},       {Cut::Bodies, List::Bodies},
+                {Cut::Slices, List::Slices},         {Cut::SeenSlices, List::SeenSlices}};
+  for (const auto& each : kLists)
+    if (each.cut == cut) return each.list;
+  return PeerList::FirstJoint;
 }
 /// The list that a list begins with, in the same memory; itself for most.
 constexpr PeerList beginningOf(PeerList list) {

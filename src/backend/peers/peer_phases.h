@@ -182,7 +182,7 @@ template <class M> void shareTreePoses(M& m) {
   m.eachOf(PeerList::Bodies, ShareTreePoses{{{m.data()}}});
   m.barrier();
 }
-/// The same.
+/// Aggregates and rows read all displacements until then.
 template <class M> void beginMotion(M& m) { m.barrier(); }
 template <class M> void shareMotion(M& m) {
   if (!m.storesAtOnce()) m.eachOf(PeerList::Bodies, ShareMotion{{{m.data()}}});

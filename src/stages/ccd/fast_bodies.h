@@ -62,7 +62,7 @@ RUBBLE_HD inline void listSearched(const SolverData& s, int i) {
   s.searchedBody[atomicCount(&s.counters->searchedBodies, 1)] = i;
 }
 
-/// Flags and lists the bodies that moved far.
+/// Flags and lists the bodies that moved far, and lists those of them that left their paths.
 struct FlagFast {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
