@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 """Proximal policy optimization (Schulman et al., 2017) in one file: python examples/ppo.py cart-pole
 
-Needs torch and gymnasium. Prints the mean return of the last episodes, as many as there are worlds, and --out
-writes it as lines of "steps, seconds, mean return".
+Needs torch and gymnasium. Prints the mean over all worlds of the return of their last episode, and --out writes
+it as lines of "steps, seconds, mean return". With --backend cuda the networks are on the device, too.
 """
 import argparse
 import time
-from collections import deque
 
 import numpy as np
 import torch
@@ -75,6 +74,7 @@ def main():
     parser.add_argument("--iterations", type=int, default=60)
     parser.add_argument("--steps", type=int, default=64, help="steps of each world in an iteration")
     parser.add_argument("--epochs", type=int, default=4)
+    parser.add_argument("--chunks", type=int, default=4, help="updates in an epoch")
     parser.add_argument("--rate", type=float, default=1e-3, help="learning rate at the start")
     parser.add_argument("--gamma", type=float, default=0.99)
     parser.add_argument("--seed", type=int, default=0)
@@ -87,10 +87,15 @@ def main():
     env = gym.make(given.environment, given.worlds, autoreset="same_step", backend=given.backend)
     space = env.single_action_space
     discrete = hasattr(space, "n")
+    device = "cuda" if given.backend == "cuda" else "cpu"
+
+    def tensor(array):
+        return torch.as_tensor(np.asarray(array, np.float32), device=device)
     agent = Agent(env.single_observation_space.shape[0], space.n if discrete else space.shape[0], discrete)
+    agent.to(device)
     optimizer = torch.optim.Adam(agent.parameters(), lr=given.rate, eps=1e-5)
-    x = torch.as_tensor(env.reset(seed=given.seed)[0])
-    returns, ended = np.zeros(given.worlds), deque(maxlen=given.worlds)
+    x = tensor(env.reset(seed=given.seed)[0])
+    returns, last = np.zeros(given.worlds), np.full(given.worlds, np.nan)
     begin, curve = time.time(), []
     for iteration in range(given.iterations):
         for group in optimizer.param_groups:
@@ -101,24 +106,22 @@ def main():
             with torch.no_grad():
                 policy, value = agent(x)
                 action = policy.sample()
-                next_x, reward, terminated, truncated, infos = env.step(action.numpy())
+                next_x, reward, terminated, truncated, infos = env.step(action.cpu().numpy())
                 reward = reward.astype(np.float32)
                 returns += reward
                 end = terminated | truncated
-                ended.extend(returns[end])
-                returns[end] = 0
+                last[end], returns[end] = returns[end], 0
                 if truncated.any():  # the episode would go on: its value counts
-                    after = agent(torch.as_tensor(infos["final_obs"]))[1].numpy()
+                    after = agent(tensor(infos["final_obs"]))[1].cpu().numpy()
                     reward = reward + given.gamma * after * truncated
-            rows.append((x, action, agent.log_prob(policy, action), value, torch.as_tensor(reward),
-                         torch.as_tensor(end.astype(np.float32))))
-            x = torch.as_tensor(next_x)
+            rows.append((x, action, agent.log_prob(policy, action), value, tensor(reward), tensor(end)))
+            x = tensor(next_x)
         seen, taken, chances, values, rewards, ends = (torch.stack(each) for each in zip(*rows))
         with torch.no_grad():
             gains = advantages(rewards, values, ends, agent(x)[1], given.gamma, 0.95)
         flat = [each.flatten(0, 1) for each in (seen, taken, chances, gains, gains + values)]
         for _ in range(given.epochs):
-            for pick in torch.randperm(len(flat[0])).chunk(4):
+            for pick in torch.randperm(len(flat[0]), device=device).chunk(given.chunks):
                 seen, taken, before, gain, target = (each[pick] for each in flat)
                 policy, value = agent(seen)
                 ratio = (agent.log_prob(policy, taken) - before).exp()
@@ -130,7 +133,7 @@ def main():
                 nn.utils.clip_grad_norm_(agent.parameters(), 0.5)
                 optimizer.step()
         steps = (iteration + 1) * given.steps * given.worlds
-        mean = float(np.mean(ended)) if ended else float("nan")
+        mean = float("nan") if np.isnan(last).all() else float(np.nanmean(last))
         curve.append((steps, time.time() - begin, mean))
         print(f"{steps:9d} steps  {curve[-1][1]:7.1f} s  mean return {mean:8.1f}", flush=True)
     if given.out:

@@ -45,8 +45,9 @@ class DeviceArray:
 
     def __init__(self, owner: Any, view: _abi.Array) -> None:
         self._owner, self.shape = owner, tuple(view.shape)
+        # not flagged as read-only, which PyTorch refuses
         self.__cuda_array_interface__ = {
-            "data": (view.data or 0, True), "shape": self.shape, "strides": tuple(view.strides),
+            "data": (view.data or 0, False), "shape": self.shape, "strides": tuple(view.strides),
             "typestr": view.typestr.decode(), "version": 3, "stream": view.stream or None}
 
     def __len__(self) -> int:
@@ -105,7 +106,8 @@ class Array:
 
     def _interface(self) -> dict[str, Any]:
         view = self._view
-        return {"data": (view.data or 0, True), "shape": self.shape, "strides": self.strides,
+        # memory of a device is not flagged as read-only, which PyTorch refuses
+        return {"data": (view.data or 0, not self.on_device), "shape": self.shape, "strides": self.strides,
                 "typestr": view.typestr.decode(), "version": 3}
 
     @property

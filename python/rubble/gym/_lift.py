@@ -7,9 +7,10 @@ import numpy as np
 
 from .. import box as box_shape
 from ._gantry import Gantry, scene
+from ._hand import lifting
 from ._vector import box
 
-_EDGE, _GOAL = 0.05, 0.2
+_EDGE = 0.05
 
 
 class LiftCube(Gantry):
@@ -17,8 +18,7 @@ class LiftCube(Gantry):
 
     Observation, 16 numbers: place (4) [m] and speed (4) [m/s] of the hand and a finger, normal forces on the
     fingers (2) [N] over 10, then the place (3) [m] and velocity (3) [m/s] of the cube relative to the hand.
-    Action (4): see `Gantry`. Reward: 1 - the distance of the cube to the hand, plus 5 times the height of the
-    cube over the goal, up to 5.
+    Action (4): see `Gantry`. Reward: see `lifting`.
     """
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:
@@ -35,8 +35,7 @@ class LiftCube(Gantry):
 
     def _reward(self, observations: np.ndarray, actions: np.ndarray) -> np.ndarray:
         height = self.states("position", "cube")[:, 2] - _EDGE / 2
-        near = np.linalg.norm(observations[:, 10:13], axis=1)
-        return 1 - near + 5 * np.clip(height / _GOAL, 0, 1)
+        return lifting(observations[:, 10:13], 10 * observations[:, 8:10], height)
 
     def _start(self, worlds: np.ndarray) -> None:
         super()._start(worlds)

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 from .. import Scene, box as box_shape, capsule, plane, tet_box
-from ._hand import FINGER, OPEN, ROBOT, HandEnv, add_grip, add_hand
+from ._hand import FINGER, OPEN, ROBOT, HandEnv, add_grip, add_hand, lifting
 from ._vector import box
 
 _SHOULDER, _LENGTH = 0.3, 0.35  # height of the shoulder, length of each half of the arm [m]
 _WRIST = 0.05  # over the hand [m]
 _PLACE = np.array((0.4, 0, 0.3))  # of the hand at the start [m]
-_BLOCK, _CELLS, _GOAL = np.array((0.06, 0.06, 0.075)), (4, 4, 5), 0.2  # [m]; 6 tetrahedra in each cell; [m]
+_BLOCK, _CELLS = np.array((0.06, 0.06, 0.075)), (4, 4, 5)  # [m]; 6 tetrahedra in each cell
 _MATERIAL = {"density": 500, "youngs_modulus": 5e4, "poisson_ratio": 0.4, "material": {"friction": 1.0}}
 _DRIVE = {"drive_stiffness": 1500, "drive_damping": 60, "max_drive_force": 80}
 
@@ -56,7 +56,7 @@ class LiftSoft(HandEnv):
     Observation, 23 numbers: angles (4) [rad] and speeds (4) [rad/s] of the arm, place [m] and speed [m/s] of
     a finger, and forces of the drives of both fingers [N] over 10. Then the place (3) [m] of the hand in the
     world. Of the block: its center (3) [m] relative to the hand, its mean velocity (3) [m/s], and its extent
-    (2) [m] along x and y. Action (4): see `HandEnv`. Reward: as of `LiftCube`.
+    (2) [m] along x and y. Action (4): see `HandEnv`. Reward: see `lifting`.
     """
 
     _low = np.array((-0.15, -0.25, -_PLACE[2] + FINGER + 0.02, 0))
@@ -80,9 +80,8 @@ class LiftSoft(HandEnv):
                                center - hand, moves, width], axis=1)
 
     def _reward(self, observations: np.ndarray, actions: np.ndarray) -> np.ndarray:
-        near = np.linalg.norm(observations[:, 15:18], axis=1)
         height = observations[:, 14] + observations[:, 17] - _BLOCK[2] / 2
-        return 1 - near + 5 * np.clip(height / _GOAL, 0, 1)
+        return lifting(observations[:, 15:18], 10 * np.abs(observations[:, 10:12]), height)
 
     def _start(self, worlds: np.ndarray) -> None:
         super()._start(worlds)

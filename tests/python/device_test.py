@@ -1,0 +1,82 @@
+"""Arrays and environments on a GPU."""
+from support import Case, crate_scene, crate_world  # first: it skips the test where numpy is missing
+
+import sys
+import unittest
+
+import numpy as np
+
+import rubble
+
+try:
+    import torch
+except ImportError:
+    torch = None
+if torch is None or "cuda" not in rubble.info()["backends"] or not torch.cuda.is_available():
+    print("skipped: it needs a GPU, a library with CUDA, and torch")
+    sys.exit(77)
+
+try:
+    from rubble import gym
+except ImportError:
+    gym = None
+
+
+class DeviceArrays(Case):
+    def test_torch_sees_each_step_without_a_copy(self):
+        world = crate_world(backend="cuda")
+        for take in (torch.from_dlpack, lambda array: torch.as_tensor(array, device="cuda")):
+            seen = take(world.positions)
+            before = seen.clone()
+            world.step(5)
+            torch.cuda.synchronize()
+            self.assertEqual(seen.device.type, "cuda")
+            self.assertLess(float((seen - before)[1, 2]), -0.01)
+
+    def test_a_force_from_torch_pushes_a_body(self):
+        pushed, left = crate_world(backend="cuda"), crate_world(backend="cuda")
+        rows = torch.tensor([1], dtype=torch.int32, device="cuda")
+        pushed.scatter("force", rows, torch.tensor([[12.0, 0, 0]], device="cuda"))
+        for world in (pushed, left):
+            world.step(1)
+        moved = [world.bodies["crate"].velocity[0] for world in (pushed, left)]
+        self.assertNear(moved, [12 / 2 / 60, 0], 1e-4)
+
+    def test_arrays_of_many_worlds_are_those_of_the_cpu(self):
+        found = []
+        for backend in ("cpu", "cuda"):
+            worlds = rubble.Worlds(crate_scene(), 3, backend=backend)
+            worlds.step(10)
+            found.append([gym_host(worlds.array(name)) for name in ("position", "velocity")])
+        for cpu, cuda in zip(*found):
+            self.assertNear(cuda, cpu, 1e-4)
+
+
+def gym_host(array):
+    return array if isinstance(array, np.ndarray) else torch.as_tensor(array, device="cuda").cpu().numpy()
+
+
+@unittest.skipIf(gym is None, "gymnasium is missing")
+class DeviceEnvironments(Case):
+    def test_every_environment_steps_as_on_the_cpu(self):
+        for name in gym.ENVIRONMENTS:
+            with self.subTest(name):
+                found = []
+                for backend in ("cpu", "cuda"):
+                    env = gym.make(name, 3, backend=backend, autoreset="same_step")
+                    env.reset(seed=1)
+                    random = np.random.default_rng(2)
+                    space = env.single_action_space
+                    for _ in range(4):
+                        actions = (random.integers(0, space.n, 3) if hasattr(space, "n")
+                                   else random.uniform(-1, 1, (3, *space.shape)))
+                        observations, rewards, *_ = env.step(actions)
+                    mask = np.array([False, True, False])
+                    again = env.reset(options={"reset_mask": mask})[0]
+                    self.assertNear(again[~mask], observations[~mask])
+                    found.append((observations, rewards, again))
+                for cpu, cuda in zip(*found):
+                    np.testing.assert_allclose(cuda, cpu, rtol=0.02, atol=0.02)
+
+
+unittest.main()
