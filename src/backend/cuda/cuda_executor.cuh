@@ -23,8 +23,6 @@ namespace rubble::RUBBLE_CORE {
 class CudaExecutor : private ScanLauncher {
  public:
   using Lane = Real;
-  /// As in CpuExecutor: a guard that is not reached by a proper coloring.
-  static constexpr int kMaxRounds = 10000;
 
   CudaExecutor(DeviceTables& tables, cudaStream_t stream) : ScanLauncher(tables, stream) {
     count(&Counters::newPairs, Per::Pair), count(&Counters::tested, Per::ActivePair);
@@ -235,7 +233,7 @@ class CudaExecutor : private ScanLauncher {
   void run(const FindImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindGeneralImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindUnpairedImpacts& kernel, int Counters::*n) {
-    runRarely(SearchByTile<FindUnpairedImpacts, kWarp>{kernel}, n);
+    runRarely(FindUnpairedImpactsByWarp{kernel}, n);
   }
   void run(const FindPairs<false>& kernel, int n) { search<FindPairsByTile>(kernel, n); }
 
@@ -271,18 +269,34 @@ class CudaExecutor : private ScanLauncher {
   }
 
   /// A single launch with grid-wide barriers between the kernels.
-  template <class Take, class Propose>
-  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
-              int Counters::*turn) {
+  template <class Take, class... Propose>
+  void rounds(const Rounds& of, const Take& take, const Propose&... propose) {
     if (observer_)
-      return roundsOneByOne(
-          count, left, turn, kMaxRounds, [&](int n) { forEach(take, n); },
-          [&](int n) { forEach(propose, n); });
+      return oneByOne([&] {
+        for (int turn = fetch(of.turn); fetch(of.left) != 0 && turn < of.most;) {
+          forEach(take.kernel, fetch(take.count));
+          store(of.left, 0), store(of.turn, ++turn);
+          (forEach(propose.kernel, fetch(propose.count)), ...);
+        }
+      });
     if (!begins()) return;
-    enterStage(Take::kStage);
-    launchTogether(runRounds<Take, Propose>, kRoundThreads, "rounds", view(), take,
-                   InBatches<Propose>{propose}, counter(count), counter(left), counter(turn), kMaxRounds,
-                   Gate{control_});
+    enterStage(Take::Kernel::kStage);
+    launchTogether("rounds", runRounds<decltype(onGrid(take)), decltype(onGrid(propose))...>, view(),
+                   counter(of.left), counter(of.turn), of.most, Gate{control_}, onGrid(take),
+                   onGrid(propose)...);
+  }
+  template <class First, class... Next>
+  void sequence(int Counters::*unless, const First& first, const Next&... next) {
+    if (observer_)
+      return oneByOne([&] {
+        if (fetch(unless) == 0) return;
+        forEach(first.kernel, fetch(first.count));
+        (forEach(next.kernel, fetch(next.count)), ...);
+      });
+    if (!begins()) return;
+    enterStage(First::Kernel::kStage);
+    launchTogether("sequence", runSequence<decltype(onGrid(first)), decltype(onGrid(next))...>, view(),
+                   counter(unless), Gate{control_}, onGrid(first), onGrid(next)...);
   }
 
   /// One launch for each of the first colors, and one for all others.

@@ -149,46 +149,46 @@ class KernelLauncher {
     checkCuda(cudaLaunchKernelEx(&config, kernel, std::forward<Given>(arguments)...), name);
     afterKernel_ = launchesEarly_;
   }
-  /// The same with barriers across the grid, of one block per multiprocessor.
+  /// A kernel with barriers across the grid, of one block per multiprocessor.
   template <class... Wanted, class... Given>
-  void launchTogether(void (*kernel)(Wanted...), int threads, const char* name, Given&&... arguments) {
+  void launchTogether(const char* name, void (*kernel)(Wanted...), Given&&... arguments) {
     cudaLaunchAttribute together{};
     together.id = cudaLaunchAttributeCooperative;
     together.val.cooperative = 1;
     cudaLaunchConfig_t config{};
     config.gridDim = dim3(static_cast<unsigned>(processors_));
-    config.blockDim = dim3(static_cast<unsigned>(threads));
+    config.blockDim = dim3(static_cast<unsigned>(kGridThreads));
     config.stream = stream_;
     config.attrs = &together;
     config.numAttrs = 1;
     checkCuda(cudaLaunchKernelEx(&config, kernel, std::forward<Given>(arguments)...), name);
     afterKernel_ = false;
   }
-  /// Rounds of two kernels from the host, so that each is announced, while any element is left. take(n) and
-  /// propose(n) run them. It counts as one operation: a step that stops later is resumed by number.
-  template <class Take, class Propose>
-  void roundsOneByOne(int Counters::*count, int Counters::*left, int Counters::*turn, int most, Take&& take,
-                      Propose&& propose) {
+  /// Runs phases from the host, so that each is announced. It counts as one operation: a step that stops
+  /// later is resumed by number.
+  template <class Phases> void oneByOne(Phases&& phases) {
     if (!begins()) return;
     const int next = operation_;
-    Counters c;
-    const auto copy = [&](void* to, const void* from, cudaMemcpyKind kind) {
-      checkCuda(cudaMemcpyAsync(to, from, sizeof(int), kind, stream_), "cudaMemcpyAsync");
-      checkCuda(cudaStreamSynchronize(stream_), "rounds");
-      afterKernel_ = false;
-    };
-    while (true) {
-      copy(&(c.*count), counter(count), cudaMemcpyDeviceToHost);
-      copy(&(c.*left), counter(left), cudaMemcpyDeviceToHost);
-      copy(&(c.*turn), counter(turn), cudaMemcpyDeviceToHost);
-      operation_ = next;
-      if (c.*left == 0 || c.*turn >= most) return;
-      take(c.*count);
-      c.*left = 0, ++(c.*turn);
-      copy(counter(left), &(c.*left), cudaMemcpyHostToDevice);
-      copy(counter(turn), &(c.*turn), cudaMemcpyHostToDevice);
-      propose(c.*count);
-    }
+    phases();
+    operation_ = next;
+  }
+  int fetch(int n) const { return n; }
+  int fetch(int Counters::*c) {
+    int value = 0;
+    copyNow(&value, counter(c), cudaMemcpyDeviceToHost);
+    return value;
+  }
+  void store(int Counters::*c, int value) { copyNow(counter(c), &value, cudaMemcpyHostToDevice); }
+  void copyNow(int* to, const int* from, cudaMemcpyKind kind) {
+    checkCuda(cudaMemcpyAsync(to, from, sizeof(int), kind, stream_), "cudaMemcpyAsync");
+    checkCuda(cudaStreamSynchronize(stream_), "a counter");
+    afterKernel_ = false;
+  }
+
+  Count countOf(int n) const { return {n, nullptr}; }
+  Count countOf(int Counters::*c) const { return {0, counter(c)}; }
+  template <class P> GridPhase<typename P::Kernel, P::kBeside> onGrid(const P& phase) const {
+    return {{phase.kernel}, countOf(phase.count)};
   }
 
   DeviceTables& tables_;

@@ -187,33 +187,50 @@ static __global__ void requireRoom(Control* control, const int* count, Room room
   if (control->stop == 0) checkRoom(control, *count, room);
 }
 
-/// kernel(s, k) for batches of kWarp elements, one warp per batch, from batch * kWarp on.
-template <class Kernel> struct InBatches {
+/// How all threads of a grid share the n elements of a kernel.
+template <class Kernel> struct OnGrid {
   Kernel kernel;
-  __device__ void operator()(const SolverData& s, int batch, int count, const Tile<kWarp>& tile) const {
-    if (const int k = batch * kWarp + tile.lane; k < count) kernel(s, k);
+  __device__ void operator()(const SolverData& s, int n) const {
+    runStrided(s, kernel, n, [](int k) { return k; });
   }
 };
+template <class Kernel, bool kBesideV> struct GridPhase {
+  static constexpr bool kBeside = kBesideV;
+  OnGrid<Kernel> kernel;
+  Count count;
+  __device__ void run(const SolverData& s) const { kernel(s, count.get()); }
+  /// After the preceding phase.
+  __device__ void runNext(const SolverData& s, const cooperative_groups::grid_group& grid) const {
+    if constexpr (!kBeside) grid.sync();
+    run(s);
+  }
+};
+inline constexpr int kGridThreads = 256;
 
-/// Alternates `take` (one thread per element) and `propose` (one warp per kWarp elements) until a round
-/// leaves *left at zero. Cooperative: all blocks of the grid are resident.
-inline constexpr int kRoundThreads = 256;
-template <class Take, class Propose>
-__global__ void __launch_bounds__(kRoundThreads)
-    runRounds(const __grid_constant__ SolverData s, Take take, InBatches<Propose> propose, const int* count,
-              int* left, int* rounds, int maxRounds, Gate gate) {
+/// Rounds of phases until one leaves *left at zero. Cooperative: all blocks of the grid are resident.
+template <class Take, class... Propose>
+__global__ void __launch_bounds__(kGridThreads)
+    runRounds(const __grid_constant__ SolverData s, int* left, int* turn, int most, Gate gate, Take take,
+              Propose... propose) {
   if (gate.closed()) return;
   const auto grid = cooperative_groups::this_grid();
-  const int n = *count, first = static_cast<int>(grid.thread_rank()), stride = static_cast<int>(grid.size());
-  for (int round = 0; round < maxRounds && *static_cast<volatile int*>(left) != 0; ++round) {
-    for (int k = first; k < n; k += stride) take(s, k);
+  for (int round = *turn; round < most && *static_cast<volatile int*>(left) != 0; ++round) {
+    take.run(s);
     grid.sync();
-    if (first == 0) *left = 0, *rounds = round + 1;
-    grid.sync();
-    for (int batch = first / kWarp; batch * kWarp < n; batch += stride / kWarp)
-      propose(s, batch, n, Tile<kWarp>::ofThread());
+    if (grid.thread_rank() == 0) *left = 0, *turn = round + 1;
+    (propose.runNext(s, grid), ...);
     grid.sync();
   }
+}
+/// Phases, unless *condition is zero. Cooperative, too.
+template <class First, class... Next>
+__global__ void __launch_bounds__(kGridThreads)
+    runSequence(const __grid_constant__ SolverData s, const int* condition, Gate gate, First first,
+                Next... next) {
+  if (gate.closed() || *condition == 0) return;
+  const auto grid = cooperative_groups::this_grid();
+  first.run(s);
+  (next.runNext(s, grid), ...);
 }
 
 }  // namespace rubble::RUBBLE_CORE

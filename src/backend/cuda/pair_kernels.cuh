@@ -37,6 +37,14 @@ template <class Search, int kTile> struct SearchByTile {
   }
 };
 template <int kTile> using FindNeighborsByTile = SearchByTile<FindNeighbors, kTile>;
+/// A warp for each body: searches differ much in length.
+using FindUnpairedImpactsByWarp = SearchByTile<FindUnpairedImpacts, kWarp>;
+template <> struct OnGrid<FindUnpairedImpacts> {
+  FindUnpairedImpacts kernel;
+  __device__ void operator()(const SolverData& s, int n) const {
+    runStrided(s, FindUnpairedImpactsByWarp{kernel}, n, [](int k) { return k; });
+  }
+};
 
 /// One lane per neighbor, for worlds without shapes of several parts.
 template <int kTile> struct FindPairsByTile {

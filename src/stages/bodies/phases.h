@@ -34,7 +34,8 @@ template <Executor E> void color(E& e) {
   const int bodies = e.view().bodies;
   e.forEach(FindClashes{}, bodies);
   e.forEach(FindVertexClashes{}, e.view().vertices);
-  e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes, &Counters::rounds);
+  e.rounds({&Counters::clashes, &Counters::rounds}, phase(TakeColors{}, &Counters::clashing),
+           phase(ProposeColors{}, &Counters::clashing));
   e.require(Per::Color, &Counters::colors);
   e.clear(&SolverData::colorCount, &Counters::colors);
   e.forEach(CountColors{}, bodies);

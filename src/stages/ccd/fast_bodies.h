@@ -91,29 +91,33 @@ RUBBLE_HD inline int ccdOwner(const SolverData& s, int body) {
 }
 
 /// A stopped body may block others whose search assumed its full motion. The search is therefore repeated in
-/// up to this many rounds, for pairs whose motion has been shortened.
-inline constexpr int kCcdRounds = 4;
+/// up to this many rounds, for pairs whose motion has been shortened, while it finds impacts.
+inline constexpr int kCcdRounds = 3;
+
+/// A body has `bits` of its motion left, or more, when it meets something.
+RUBBLE_HD inline void raiseCcdShare(const SolverData& s, int body, int bits) {
+  atomicRaise(&s.ccdShareBits[body], bits);
+  if (atomicLoad(&s.counters->ccdImpacts) == 0) atomicRaise(&s.counters->ccdImpacts, 1);
+}
 
 /// Before a round: records how far fast bodies move according to the stops found so far. By fast body.
 struct BeginCcdRound {
   static constexpr const char* kStage = "ccd";
-  int round;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int i = s.fastBody[k];
     const int bits = s.ccdShareBits[i], owner = ccdOwner(s, i);
-    if (bits <= s.ccdSeenBits[owner]) return;
+    if (bits <= atomicLoad(&s.ccdSeenBits[owner])) return;
     atomicRaise(&s.ccdSeenBits[owner], bits);
-    s.ccdRound[owner] = round;
+    s.ccdRound[owner] = s.counters->ccdRounds + 1;
   }
 };
 
 /// Lists the bodies that have been stopped in a round. By fast body.
 struct ListStopped {
   static constexpr const char* kStage = "ccd";
-  int round;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int i = s.fastBody[k];
-    if (s.ccdRound[ccdOwner(s, i)] == round) listSearched(s, i);
+    if (s.ccdRound[ccdOwner(s, i)] == s.counters->ccdRounds) listSearched(s, i);
   }
 };
 
@@ -125,7 +129,8 @@ RUBBLE_HD inline SweptMotion motionIn(const SolverData& s, int body) {
 }
 
 /// Has the motion of a body of the pair changed since the last round?
-RUBBLE_HD inline bool needsSearch(const SolverData& s, const OrderedPair& o, int round) {
+RUBBLE_HD inline bool needsSearch(const SolverData& s, const OrderedPair& o) {
+  const int round = s.counters->ccdRounds;
   return round == 0 || s.ccdRound[ccdOwner(s, o.a)] == round || s.ccdRound[ccdOwner(s, o.b)] == round;
 }
 
@@ -216,18 +221,17 @@ RUBBLE_HD inline void recordImpact(const SolverData& s, int i, const OrderedPair
   if (s.oneWay && !hasRows(manifoldOf(s, i)) && !stopsOneWay(s, o, partsOf(s, s.pair[i], o), n)) return;
   const int bits = floatBits(static_cast<Real>(1 - fraction));
   s.toiBits[i] = max(s.toiBits[i], bits);
-  if (stopsAtImpact(s, o.a, o.b)) atomicRaise(&s.ccdShareBits[o.a], bits);
-  if (stopsAtImpact(s, o.b, o.a)) atomicRaise(&s.ccdShareBits[o.b], bits);
+  if (stopsAtImpact(s, o.a, o.b)) raiseCcdShare(s, o.a, bits);
+  if (stopsAtImpact(s, o.b, o.a)) raiseCcdShare(s, o.b, bits);
 }
 
 /// Times of impact of pairs of primitive shapes; stores the remaining fraction of the motion.
 struct FindImpacts {
   static constexpr const char* kStage = "ccd";
-  int round;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (round == 0) s.toiBits[i] = 0;
+    if (s.counters->ccdRounds == 0) s.toiBits[i] = 0;
     const OrderedPair o = ordered(s.pair[i]);
-    if (!isPrimitivePair(s, o.a, o.b) || !mayImpact(s, o) || !needsSearch(s, o, round)) return;
+    if (!isPrimitivePair(s, o.a, o.b) || !mayImpact(s, o) || !needsSearch(s, o)) return;
     const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
     const SweptMotion motionA = motionIn(s, o.a), motionB = motionIn(s, o.b);
     const Real thin = thinner(innerRadius(pa.shape), innerRadius(pb.shape));

@@ -67,11 +67,10 @@ RUBBLE_HD inline Vec3d normalOf(const PlacedAny& part, const PlacedAny& other, c
 /// search where they stand.
 struct FindUnpairedImpacts {
   static constexpr const char* kStage = "ccd";
-  int round;
   RUBBLE_HD void operator()(const SolverData& s, int k) const { (*this)(s, k, 0, 1); }
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int k, int lane, int lanes) const {
-    const int i = s.searchedBody[k];
+    const int i = s.searchedBody[k], round = s.counters->ccdRounds;
     if (round == 0)
       searchWayToStop(s, i, lane, lanes);
     else if (s.ccdRound[ccdOwner(s, i)] == round)
@@ -100,7 +99,7 @@ struct FindUnpairedImpacts {
           s, i, boundsOfMotion(s, i, 0, until),
           [&](int other) {
             const double fraction = impactWith(s, i, motion, other, static_cast<double>(until));
-            if (fraction <= 1) atomicRaise(&s.ccdShareBits[i], shareBits(fraction));
+            if (fraction <= 1) raiseCcdShare(s, i, shareBits(fraction));
           },
           lane, lanes);
       if (end >= stop) return;
@@ -116,8 +115,8 @@ struct FindUnpairedImpacts {
           const double fraction = impactWith(s, i, motion, other, 1);
           if (!(fraction <= 1)) return;
           const int bits = shareBits(fraction);
-          atomicRaise(&s.ccdShareBits[i], bits);
-          if (stopsAtImpact(s, other, i)) atomicRaise(&s.ccdShareBits[other], bits);
+          raiseCcdShare(s, i, bits);
+          if (stopsAtImpact(s, other, i)) raiseCcdShare(s, other, bits);
         },
         lane, lanes);
   }
