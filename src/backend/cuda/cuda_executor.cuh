@@ -64,7 +64,7 @@ class CudaExecutor : private ScanLauncher {
   bool enqueue(const EnqueueOptions& options) {
     if (options.from == 0)
       checkCuda(cudaMemsetAsync(view().counters, 0, sizeof(Counters), stream_), "cudaMemsetAsync");
-    checkCuda(cudaMemsetAsync(control_, 0, sizeof(Control), stream_), "cudaMemsetAsync");
+    clearControl();
     return walk(options);
   }
 
@@ -340,11 +340,9 @@ class CudaExecutor : private ScanLauncher {
 
   /// Begins work between steps, whose kernels belong to no graph and no stage.
   void beginWork() {
-    checkCuda(cudaMemsetAsync(control_, 0, sizeof(Control), stream_), "cudaMemsetAsync");
-    options_ = {};
-    operation_ = 0;
-    stage_ = nullptr;
-    kept_ = afterKernel_ = false;
+    clearControl();
+    beginOperations();
+    kept_ = false;
   }
   void endWork() { enterStage(nullptr); }
   /// Other work was enqueued after the last kernel of this executor.
@@ -360,10 +358,8 @@ class CudaExecutor : private ScanLauncher {
 
  private:
   bool walk(const EnqueueOptions& options) {
-    options_ = options;
-    operation_ = 0;
-    stage_ = nullptr;
-    kept_ = afterKernel_ = false;
+    beginOperations(options);
+    kept_ = false;
     if (peers_) peers_->begin();
     step(*this);
     enterStage(nullptr);

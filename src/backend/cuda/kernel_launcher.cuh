@@ -48,14 +48,28 @@ class KernelLauncher {
               "cudaDeviceGetAttribute");
     // more blocks would only queue
     maxBlocks_ = processors_ * (threads / kThreads);
-    control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
+    reserveCleared(0);
     std::fill(std::begin(perOf_), std::end(perOf_), -1);
   }
-  ~KernelLauncher() { DeviceMemory::release(control_); }
   KernelLauncher(const KernelLauncher&) = delete;
   KernelLauncher& operator=(const KernelLauncher&) = delete;
 
   const SolverData& view() const { return tables_.view(); }
+
+  /// The memory that clearControl() clears: the control, and bytes that follow it.
+  void reserveCleared(std::size_t bytes) {
+    clearedBytes_ = sizeof(Control) + bytes;
+    cleared_.reserve(clearedBytes_);
+    control_ = reinterpret_cast<Control*>(cleared_.data());
+  }
+  void clearControl() { checkCuda(cudaMemsetAsync(control_, 0, clearedBytes_, stream_), "cudaMemsetAsync"); }
+  /// Begins a step, or work between steps, whose kernels belong to no graph.
+  void beginOperations(const EnqueueOptions& options = {}) {
+    options_ = options;
+    operation_ = 0;
+    stage_ = nullptr;
+    afterKernel_ = false;
+  }
 
   /// Counts operations. Returns whether this one is enqueued.
   bool begins() { return operation_++ >= options_.from; }
@@ -193,7 +207,9 @@ class KernelLauncher {
 
   DeviceTables& tables_;
   cudaStream_t stream_;
-  Control* control_ = nullptr;
+  DeviceBuffer cleared_;
+  std::size_t clearedBytes_ = 0;
+  Control* control_ = nullptr;  ///< first in cleared_
   EnqueueOptions options_;
   KernelObserver observer_;
   int operation_ = 0;

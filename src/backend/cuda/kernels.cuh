@@ -159,10 +159,11 @@ struct CountAt {
   const int* counts;
   const int* counted;
   int fixed, limit;
-  __host__ __device__ int operator()(int i) const {
+  __host__ __device__ int count() const {
     const int n = counted ? *counted : fixed;
-    return i < n && i < limit ? counts[i] : 0;
+    return n < limit ? n : limit;
   }
+  __host__ __device__ int operator()(int i) const { return i < count() ? counts[i] : 0; }
 };
 
 /// Capacity of a table whose elements a step counts, and the operation that needs it.
@@ -172,14 +173,6 @@ struct Room {
 
 __device__ inline void checkRoom(Control* control, int count, const Room& room) {
   if (count > room.capacity) lack(control, room.operation, room.per, count);
-}
-
-/// Stores the total of a scan over at most `limit` elements, which follows the last offset.
-static __global__ void keepTotal(Control* control, const int* offsets, int limit, int* total, Room room) {
-  awaitPrevious();
-  if (control->stop != 0) return;
-  *total = offsets[limit];
-  checkRoom(control, *total, room);
 }
 
 static __global__ void requireRoom(Control* control, const int* count, Room room) {

@@ -1,15 +1,13 @@
 #pragma once
 /// Launches the operations of a step that order, count and list elements.
-#include <thrust/iterator/counting_iterator.h>
-#include <thrust/iterator/transform_iterator.h>
 #include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_scan.cuh>
 
 #include <algorithm>
 #include <bit>
 
 #include "backend/cuda/kernel_launcher.cuh"
 #include "backend/cuda/long_list_kernels.cuh"
+#include "backend/cuda/scan_kernel.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -17,17 +15,23 @@ class ScanLauncher : protected KernelLauncher {
  protected:
   ScanLauncher(DeviceTables& tables, cudaStream_t stream) : KernelLauncher(tables, stream) {}
 
-  std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size(); }
+  std::size_t scratchBytes() const {
+    return scratch_.size() + sortedKeys_.size() + indices_.size() + cleared_.size();
+  }
+  void beginOperations(const EnqueueOptions& options = {}) {
+    KernelLauncher::beginOperations(options);
+    tiles_ = 0;
+  }
   /// Notes the sizes of all operations from now on.
-  void beginSizes() { scanned_ = grouped_ = 0; }
+  void beginSizes() { grouped_ = 0; }
   /// Allocates scratch memory for operations of these sizes.
   void reserveSizes() {
-    std::size_t scanBytes = 0, sortBytes = 0;
-    exclusiveSum(nullptr, scanBytes, CountAt{}, nullptr, scanned_ + 1);
+    std::size_t sortBytes = 0;
     if (grouped_ > 0) sortPairs(nullptr, sortBytes, nullptr, nullptr, grouped_);
-    scratch_.reserve(std::max(scanBytes, sortBytes));
+    scratch_.reserve(sortBytes);
     sortedKeys_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
     indices_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
+    reserveCleared(sizeof(ScanWord) * static_cast<std::size_t>(tiles_));
   }
 
   void clear(Array<int> SolverData::*array, int n) {
@@ -38,21 +42,17 @@ class ScanLauncher : protected KernelLauncher {
   }
 
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int n) {
-    scanTo({view().*counts, nullptr, n, n}, view().*offsets);
+    scanTo(countsAt(counts, n), view().*offsets);
   }
   /// Offsets beyond the last element also receive the total.
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int Counters::*n) {
-    scanTo({view().*counts, counter(n), 0, capacityOf(n)}, view().*offsets);
+    scanTo(countsAt(counts, n), view().*offsets);
   }
   template <class N>
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, N n, int Counters::*total,
             Per per) {
-    const int limit = limitOf(n);
-    scan(counts, offsets, n);
     count(total, per);
-    if (!begun()) return;
-    launchNext(keepTotal, {1, 1}, "keepTotal", control_, view().*offsets, limit, counter(total),
-               roomFor(per));
+    scanTo(countsAt(counts, n), view().*offsets, [&] { return ScanTotal{counter(total), roomFor(per)}; });
   }
 
   /// A stable sort. Skipped keys come after the last valid one.
@@ -96,10 +96,22 @@ class ScanLauncher : protected KernelLauncher {
   int limitOf(int Counters::*n) const { return capacityOf(n); }
 
  private:
-  /// With null scratch memory it only computes the number of bytes needed.
-  void exclusiveSum(void* scratch, std::size_t& bytes, const CountAt& in, int* out, int n) const {
-    const auto counts = thrust::make_transform_iterator(thrust::make_counting_iterator(0), in);
-    checkCuda(cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, out, n, stream_), "scan");
+  CountAt countsAt(Array<int> SolverData::*counts, int n) const { return {view().*counts, nullptr, n, n}; }
+  CountAt countsAt(Array<int> SolverData::*counts, int Counters::*n) const {
+    return {view().*counts, counter(n), 0, capacityOf(n)};
+  }
+
+  static ScanTotal noTotal() { return {}; }
+  /// Each scan of a step has tiles of its own, for they are cleared once.
+  template <class Total = ScanTotal (*)()>
+  void scanTo(const CountAt& in, int* offsets, const Total& total = noTotal) {
+    const int first = tiles_, count = scanTilesFor(in.limit);
+    tiles_ += count;
+    if (!begins()) return;
+    if (sizeof(Control) + sizeof(ScanWord) * static_cast<std::size_t>(tiles_) > clearedBytes_)
+      throw std::logic_error("CudaExecutor: a scan for which there is no scratch memory");
+    ScanWord* const tiles = reinterpret_cast<ScanWord*>(control_ + 1) + first;
+    launchNext(scanCounts, {count, kScanThreads}, "scan", in, offsets, tiles, total(), control_);
   }
 
   void sortPairs(void* scratch, std::size_t& bytes, const int* keys, int* order, int n) const {
@@ -112,18 +124,10 @@ class ScanLauncher : protected KernelLauncher {
               "sort");
   }
 
-  void scanTo(const CountAt& in, int* offsets) {
-    scanned_ = std::max(scanned_, in.limit);
-    if (!begins()) return;
-    // one element more than counts: the total follows the last one
-    std::size_t bytes = scratch_.size();
-    exclusiveSum(scratch_.data(), bytes, in, offsets, in.limit + 1);
-    afterKernel_ = false;
-  }
-
   DeviceBuffer scratch_, sortedKeys_, indices_;
-  /// largest scan and largest groupByKey() of this step, in elements
-  int scanned_ = 0, grouped_ = 0;
+  int grouped_ = 0;  ///< largest groupByKey() of this step [elements]
+  int tiles_ = 0;    ///< of all scans of this step so far
+  static_assert(sizeof(Control) % alignof(ScanWord) == 0);
 };
 
 }  // namespace rubble::RUBBLE_CORE
