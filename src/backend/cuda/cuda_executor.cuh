@@ -53,7 +53,7 @@ class CudaExecutor : private ScanLauncher {
     if (walk(nothing)) tables_.swapManifolds();
     reserveSizes();
     tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Slice)) * kSumLevels);
-    colorBins_.reserve(sizeof(int) * 2 * kColorBins);
+    colorBins_.reserve(sizeof(int) * kBins);
     reserveList(highDegree_, tables_.capacity(Per::Incidence), kLongIncidences);
     if (peers_) reserveList(ownHighDegree_, tables_.capacity(Per::Incidence), kLongIncidences);
     reserveList(longSlices_, tables_.capacity(Per::Boundary), kLongRounds * kSmallWidth / kLanes);
@@ -249,7 +249,6 @@ class CudaExecutor : private ScanLauncher {
   }
   void run(const FindClashes&, int n) { runByWarp(FindClashesByWarp{}, n); }
   void run(const SortIncidences&, int n) {
-    startList(highDegree_, SortIncidences::kStage);
     runByWarp(SortIncidencesByWarp{listOf(highDegree_)}, n);
     if (!begun() || n <= 0) return;
     launchNext(sortHighDegree, {processors_, kSortThreads}, SortIncidences::kStage, view(),
@@ -257,15 +256,20 @@ class CudaExecutor : private ScanLauncher {
   }
   void run(const FillBoundary& kernel, int Counters::*n) {
     if constexpr (kStrict) return run<FillBoundary>(kernel, n);
-    startList(longSlices_, FillBoundary::kStage);
     run(FillBoundaryByTile{listOf(longSlices_)}, n);
   }
 
-  void run(const CountColors&, int n) { countByColor<ColoredBodies>(n); }
-  void run(const FillColors&, int n) { launchByColor(fillColors<ColoredBodies>, FillColors::kStage, n); }
-  void run(const CountVertexColors&, int n) { countByColor<ColoredVertices>(n); }
+  void run(const CountColors&, int n) {
+    launchByColor<ColoredBodies>(countColors<ColoredBodies>, CountColors::kStage, n);
+  }
+  void run(const FillColors&, int n) {
+    launchByColor<ColoredBodies>(fillColors<ColoredBodies>, FillColors::kStage, n);
+  }
+  void run(const CountVertexColors&, int n) {
+    launchByColor<ColoredVertices>(countColors<ColoredVertices>, CountColors::kStage, n);
+  }
   void run(const FillVertexColors&, int n) {
-    launchByColor(fillColors<ColoredVertices>, FillVertexColors::kStage, n);
+    launchByColor<ColoredVertices>(fillColors<ColoredVertices>, FillVertexColors::kStage, n);
   }
 
   /// A single launch with grid-wide barriers between the kernels.
@@ -320,6 +324,7 @@ class CudaExecutor : private ScanLauncher {
     const int vertexBlocks = std::min((view().vertices * kVertexLanes + kSolveThreads - 1) / kSolveThreads,
                                       held / kVertexShare);
     const int bodyBlocks = std::min((view().bodies + kTailBodies - 1) / kTailBodies, held - vertexBlocks);
+    flush();
     // A color starts while the previous one is being solved and reads ahead what no sweep writes. The first
     // one starts after everything else has ended.
     afterKernel_ = false;
@@ -361,6 +366,8 @@ class CudaExecutor : private ScanLauncher {
     beginOperations(options);
     kept_ = false;
     if (peers_) peers_->begin();
+    startList(highDegree_), startList(longSlices_);
+    if (begins()) clearNext(reinterpret_cast<int*>(colorBins_.data()), nullptr, kBins);
     step(*this);
     enterStage(nullptr);
     return kept_;
@@ -385,8 +392,7 @@ class CudaExecutor : private ScanLauncher {
     else if constexpr (std::same_as<Kernel, SumInertia>)
       runList(SumInertiaByTile{tree()}, PeerList::SeenSlices, n);
     else if constexpr (std::same_as<Kernel, FillBoundary>)
-      startList(longSlices_, FillBoundary::kStage),
-          runList(FillBoundaryByTile{listOf(longSlices_)}, PeerList::Slices, n);
+      runList(FillBoundaryByTile{listOf(longSlices_)}, PeerList::Slices, n);
     else if constexpr (D::kCut == Cut::Joints)
       runList(kernel, listOfJoints(PeerJoints::All, which), n, view().joints[which]);
     else if constexpr (D::kCut == Cut::OwnJoints)
@@ -434,7 +440,7 @@ class CudaExecutor : private ScanLauncher {
   }
   /// The bodies of high degree that this device solves.
   void keepOwnHighDegree() {
-    startList(ownHighDegree_, "ranks");
+    startList(ownHighDegree_);
     if (!begins()) return;
     const LongList all = listOf(highDegree_);
     launch(KeepOwn{all, listOf(ownHighDegree_), owners()}, {0, all.count},
@@ -444,18 +450,12 @@ class CudaExecutor : private ScanLauncher {
     return peers_ ? PeerOwners{peers_->data().owner, peers_->data().rank} : PeerOwners{};
   }
 
-  template <class Kernel> void launchByColor(Kernel* kernel, const char* name, int n) {
+  template <class Nodes, class Kernel> void launchByColor(Kernel* kernel, const char* name, int n) {
     if (!begins() || n <= 0) return;
     enterStage(name);
-    launchNext(kernel, {(n + kColorNodes - 1) / kColorNodes, kThreads}, name, view(), colorBins(),
-               Gate{control_});
+    launchNext(kernel, {(n + kColorNodes - 1) / kColorNodes, kThreads}, name, view(),
+               colorBins(std::same_as<Nodes, ColoredVertices>), Gate{control_});
   }
-  template <class Nodes> void countByColor(int n) {
-    if (begins())
-      launch(FillArray{colorBins().population, 0}, {2 * kColorBins, nullptr}, 2 * kColorBins, "clear");
-    launchByColor(countColors<Nodes>, CountColors::kStage, n);
-  }
-
   template <int kBlockThreads> void solveFewClusters(int level, int n) {
     if (!begins() || n <= 0) return;
     enterStage(SolveCluster::kStage);
@@ -480,8 +480,10 @@ class CudaExecutor : private ScanLauncher {
                SolveThreads::of(view(), processors_), control_);
   }
 
-  ColorBins colorBins() const {
-    int* const first = reinterpret_cast<int*>(colorBins_.data());
+  /// Bins of the bodies and of the vertices: numbers of nodes, and of those placed so far.
+  static constexpr int kBins = 2 * 2 * kColorBins;
+  ColorBins colorBins(bool vertices) const {
+    int* const first = reinterpret_cast<int*>(colorBins_.data()) + (vertices ? kBins / 2 : 0);
     return {first, first + kColorBins, owners()};
   }
   /// One warp per kWarp of n bodies.

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "backend/cuda/device_memory.h"
 #include "backend/cuda/kernels.cuh"
@@ -66,7 +68,8 @@ class KernelLauncher {
   /// Begins a step, or work between steps, whose kernels belong to no graph.
   void beginOperations(const EnqueueOptions& options = {}) {
     options_ = options;
-    operation_ = 0;
+    operation_ = clears_.count = 0;
+    check_ = {};
     stage_ = nullptr;
     afterKernel_ = false;
   }
@@ -147,10 +150,33 @@ class KernelLauncher {
   struct Grid {
     int blocks, threads;
   };
+
+  /// Clears an array before the next kernel. Clears that follow one another share a launch.
+  void clearNext(int* first, const int* counted, int most) {
+    if (clears_.count == Clears::kMost) flush();
+    clears_.array[clears_.count++] = {first, counted, most};
+  }
+  /// Checks room before the next kernel, and before what is cleared from now on, which a step that stops here
+  /// clears when it continues.
+  void checkNext(const RoomCheck& check) {
+    flush();
+    check_ = check;
+  }
+  /// Launches what waits for the next kernel. To be called before other work is enqueued.
+  void flush() {
+    if (clears_.count == 0 && !check_.counter) return;
+    const Clears clears = std::exchange(clears_, {});
+    std::int64_t most = 0;
+    for (int k = 0; k < clears.count; ++k) most += clears.array[k].most;
+    const int elements = static_cast<int>(std::min<std::int64_t>(most, std::numeric_limits<int>::max()));
+    launchNext(clearArrays, {blocksFor(elements), kThreads}, "clear", clears, std::exchange(check_, {}),
+               control_);
+  }
   /// Launches a kernel that starts with awaitPrevious(). After another kernel of this class it uses
   /// programmatic dependent launch.
   template <class... Wanted, class... Given>
   void launchNext(void (*kernel)(Wanted...), const Grid& grid, const char* name, Given&&... arguments) {
+    flush();
     cudaLaunchAttribute early{};
     early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
     early.val.programmaticStreamSerializationAllowed = 1;
@@ -166,6 +192,7 @@ class KernelLauncher {
   /// A kernel with barriers across the grid, of one block per multiprocessor.
   template <class... Wanted, class... Given>
   void launchTogether(const char* name, void (*kernel)(Wanted...), Given&&... arguments) {
+    flush();
     cudaLaunchAttribute together{};
     together.id = cudaLaunchAttributeCooperative;
     together.val.cooperative = 1;
@@ -210,6 +237,8 @@ class KernelLauncher {
   DeviceBuffer cleared_;
   std::size_t clearedBytes_ = 0;
   Control* control_ = nullptr;  ///< first in cleared_
+  Clears clears_;               ///< of clearNext()
+  RoomCheck check_;             ///< of checkNext()
   EnqueueOptions options_;
   KernelObserver observer_;
   int operation_ = 0;

@@ -122,12 +122,6 @@ __global__ void __launch_bounds__(kThreads, 6)
   runStrided(s, kernel, offsets[range + 1] - begin, [&](int k) { return begin + k; });
 }
 
-struct FillArray {
-  int* array;
-  int value;
-  __device__ void operator()(const SolverData&, int i) const { array[i] = value; }
-};
-
 /// 0 to modulo - 1, repeated.
 struct WriteIndices {
   int* array;
@@ -175,9 +169,37 @@ __device__ inline void checkRoom(Control* control, int count, const Room& room) 
   if (count > room.capacity) lack(control, room.operation, room.per, count);
 }
 
-static __global__ void requireRoom(Control* control, const int* count, Room room) {
+/// A counter whose table must have room for it; null: none.
+struct RoomCheck {
+  int* counter = nullptr;
+  Room room{};
+};
+
+/// Arrays to be cleared in one launch.
+struct Clears {
+  static constexpr int kMost = 12;
+  struct Array {
+    int* first;
+    const int* counted;  ///< device counter of its elements, or null
+    int most;            ///< elements at most
+  } array[kMost];
+  int count = 0;
+};
+
+/// Clears arrays and checks room. Should that lack, blocks that see it leave out their share, for the step is
+/// continued from the operation that checks.
+static __global__ void __launch_bounds__(kThreads)
+    clearArrays(const __grid_constant__ Clears clears, RoomCheck check, Control* control) {
   awaitPrevious();
-  if (control->stop == 0) checkRoom(control, *count, room);
+  if (control->stop != 0) return;
+  const int thread = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
+            threads = static_cast<int>(gridDim.x * blockDim.x);
+  for (int k = 0; k < clears.count; ++k) {
+    const Clears::Array& a = clears.array[k];
+    const int n = a.counted ? min(*a.counted, a.most) : a.most;
+    for (int i = thread; i < n; i += threads) a.first[i] = 0;
+  }
+  if (thread == 0 && check.counter) checkRoom(control, *check.counter, check.room);
 }
 
 /// How all threads of a grid share the n elements of a kernel.

@@ -63,16 +63,12 @@ struct ScanPrefix {
   }
 };
 
-/// Where a scan stores its total, and the room for it; null: nowhere.
-struct ScanTotal {
-  int* counter = nullptr;
-  Room room{};
-};
-
-/// Stores the offsets, and the total from the last element on. The last tile alone may stop the step: all
-/// others have published by then, so none returns while another one waits for it.
+/// Stores the offsets, the total from the last element on, and in the counter to be checked, if wanted. The
+/// last tile alone may stop the step: all others have published by then, so none returns while another one
+/// waits for it.
 static __global__ void __launch_bounds__(kScanThreads)
-    scanCounts(const CountAt in, int* offsets, ScanWord* tiles, ScanTotal total, Control* control) {
+    scanCounts(const CountAt in, int* offsets, ScanWord* tiles, RoomCheck check, bool storesTotal,
+               Control* control) {
   awaitPrevious();
   if (control->stop != 0) return;
   using Exchange = cub::BlockExchange<int, kScanThreads, kScanItems>;
@@ -98,9 +94,9 @@ static __global__ void __launch_bounds__(kScanThreads)
 #pragma unroll
   for (int k = 0; k < kScanItems; ++k)
     if (const int i = first + k * kScanThreads; i <= in.limit) offsets[i] = sums[k];
-  if (tile + 1 < static_cast<int>(gridDim.x) || thread != 0 || !total.counter) return;
-  *total.counter = prefix.total;
-  checkRoom(control, prefix.total, total.room);
+  if (tile + 1 < static_cast<int>(gridDim.x) || thread != 0 || !check.counter) return;
+  if (storesTotal) *check.counter = prefix.total;
+  checkRoom(control, *check.counter, check.room);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -23,11 +23,11 @@ class ScanLauncher : protected KernelLauncher {
     tiles_ = 0;
   }
   /// Notes the sizes of all operations from now on.
-  void beginSizes() { grouped_ = 0; }
+  void beginSizes() { grouped_ = keyBits_ = 0; }
   /// Allocates scratch memory for operations of these sizes.
   void reserveSizes() {
     std::size_t sortBytes = 0;
-    if (grouped_ > 0) sortPairs(nullptr, sortBytes, nullptr, nullptr, grouped_);
+    if (grouped_ > 0) sortPairs(nullptr, sortBytes, nullptr, nullptr, grouped_, keyBits_);
     scratch_.reserve(sortBytes);
     sortedKeys_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
     indices_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
@@ -35,10 +35,10 @@ class ScanLauncher : protected KernelLauncher {
   }
 
   void clear(Array<int> SolverData::*array, int n) {
-    if (begins() && n > 0) launch(FillArray{view().*array, 0}, {n, nullptr}, n, "clear");
+    if (begins() && n > 0) clearNext(view().*array, nullptr, n);
   }
   void clear(Array<int> SolverData::*array, int Counters::*n) {
-    if (begins()) launch(FillArray{view().*array, 0}, {0, counter(n)}, capacityOf(n), "clear");
+    if (begins()) clearNext(view().*array, counter(n), capacityOf(n));
   }
 
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int n) {
@@ -52,19 +52,21 @@ class ScanLauncher : protected KernelLauncher {
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, N n, int Counters::*total,
             Per per) {
     count(total, per);
-    scanTo(countsAt(counts, n), view().*offsets, [&] { return ScanTotal{counter(total), roomFor(per)}; });
+    scanTo(countsAt(counts, n), view().*offsets, [&] { return RoomCheck{counter(total), roomFor(per)}; });
   }
 
   /// A stable sort. Skipped keys come after the last valid one.
   void groupByKey(Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
                   Array<int> SolverData::*order, int Counters::*keyCount) {
-    grouped_ = std::max(grouped_, n);
+    // one more value than keys distinguishes them from -1
+    const int keyBits = std::bit_width(static_cast<unsigned>(capacityOf(keyCount)));
+    grouped_ = std::max(grouped_, n), keyBits_ = std::max(keyBits_, keyBits);
     if (!begins()) return;
     if (n > 0) {
       launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().nodes()}, {n, nullptr}, n,
              "indices");
       std::size_t bytes = scratch_.size();
-      sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n);
+      sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n, keyBits);
       afterKernel_ = false;
     }
     launch(FindFirst{reinterpret_cast<const int*>(sortedKeys_.data()), n, view().*offsets},
@@ -73,18 +75,15 @@ class ScanLauncher : protected KernelLauncher {
 
   void require(Per per, int Counters::*c) {
     count(c, per);
-    if (!begins()) return;
-    launchNext(requireRoom, {1, 1}, "requireRoom", control_, counter(c), roomFor(per));
+    if (begins()) checkNext({counter(c), roomFor(per)});
   }
 
   LongList listOf(const DeviceBuffer& list) const {
     int* const first = reinterpret_cast<int*>(list.data());
     return {first, first + 1};
   }
-  void startList(const DeviceBuffer& list, const char* stage) {
-    if (!begins()) return;
-    enterStage(stage);
-    launch(FillArray{listOf(list).count, 0}, {1, nullptr}, 1, "clear");
+  void startList(const DeviceBuffer& list) {
+    if (begins()) clearNext(listOf(list).count, nullptr, 1);
   }
   /// Reserves space for all elements that can have more than `parts` parts.
   static void reserveList(DeviceBuffer& list, int most, int parts) {
@@ -101,9 +100,10 @@ class ScanLauncher : protected KernelLauncher {
     return {view().*counts, counter(n), 0, capacityOf(n)};
   }
 
-  static ScanTotal noTotal() { return {}; }
-  /// Each scan of a step has tiles of its own, for they are cleared once.
-  template <class Total = ScanTotal (*)()>
+  static RoomCheck noTotal() { return {}; }
+  /// Each scan of a step has tiles of its own, for they are cleared once. Without a total it takes over the
+  /// check of room that precedes it.
+  template <class Total = RoomCheck (*)()>
   void scanTo(const CountAt& in, int* offsets, const Total& total = noTotal) {
     const int first = tiles_, count = scanTilesFor(in.limit);
     tiles_ += count;
@@ -111,22 +111,23 @@ class ScanLauncher : protected KernelLauncher {
     if (sizeof(Control) + sizeof(ScanWord) * static_cast<std::size_t>(tiles_) > clearedBytes_)
       throw std::logic_error("CudaExecutor: a scan for which there is no scratch memory");
     ScanWord* const tiles = reinterpret_cast<ScanWord*>(control_ + 1) + first;
-    launchNext(scanCounts, {count, kScanThreads}, "scan", in, offsets, tiles, total(), control_);
+    RoomCheck check = total();
+    const bool stores = check.counter != nullptr;
+    if (!stores && clears_.count == 0) check = std::exchange(check_, {});
+    launchNext(scanCounts, {count, kScanThreads}, "scan", in, offsets, tiles, check, stores, control_);
   }
 
-  void sortPairs(void* scratch, std::size_t& bytes, const int* keys, int* order, int n) const {
-    // keys are fewer than n: these bits distinguish them from -1
-    const int bits = std::bit_width(static_cast<unsigned>(n));
+  void sortPairs(void* scratch, std::size_t& bytes, const int* keys, int* order, int n, int keyBits) const {
     checkCuda(cub::DeviceRadixSort::SortPairs(scratch, bytes, reinterpret_cast<const unsigned*>(keys),
                                               reinterpret_cast<unsigned*>(sortedKeys_.data()),
                                               reinterpret_cast<const int*>(indices_.data()), order, n, 0,
-                                              bits, stream_),
+                                              keyBits, stream_),
               "sort");
   }
 
   DeviceBuffer scratch_, sortedKeys_, indices_;
-  int grouped_ = 0;  ///< largest groupByKey() of this step [elements]
-  int tiles_ = 0;    ///< of all scans of this step so far
+  int grouped_ = 0, keyBits_ = 0;  ///< of the largest groupByKey() of this step [elements, bits]
+  int tiles_ = 0;                  ///< of all scans of this step so far
   static_assert(sizeof(Control) % alignof(ScanWord) == 0);
 };
 

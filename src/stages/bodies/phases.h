@@ -7,6 +7,8 @@
 
 namespace rubble::RUBBLE_CORE::bodies {
 
+template <Executor E> void clear(E& e) { e.clear(&SolverData::incidenceCount, e.view().bodies); }
+
 /// Inertial targets and initial guesses.
 template <Executor E> void predict(E& e) { e.forEach(PredictBodies{}, e.view().bodies); }
 
@@ -19,7 +21,6 @@ template <Executor E> void findIncidence(E& e) {
       e.beside(Kernel<JointBlocks<F>>{}, e.view().joints[typeIndex<F>(JointTypes{})]);
     });
   };
-  e.clear(&SolverData::incidenceCount, bodies);
   forEachBlock.template operator()<CountIncidences>();
   soft::countIncidences(e);
   e.scan(&SolverData::incidenceCount, &SolverData::incidenceOffset, bodies, &Counters::incidences,
