@@ -35,15 +35,17 @@ struct AnyKernel {
   RUBBLE_HD void operator()(const SolverData&, int) const {}
 };
 
-/// A kernel of rounds() or sequence(). `kB`: it shares no data with the preceding kernel.
-template <class KernelType, class N, bool kB = false> struct Phase {
+/// When a kernel of rounds() runs: after the preceding one, or beside it because they share no data, or once
+/// at the end.
+enum class When { Next, Beside, AtEnd };
+template <class KernelType, class N, When kW> struct Phase {
   using Kernel = KernelType;
-  static constexpr bool kBeside = kB;
+  static constexpr When kWhen = kW;
   Kernel kernel;
   N count;  ///< of its elements: a number, or a counter
 };
-template <class Kernel, class N> Phase<Kernel, N> phase(const Kernel& kernel, N n) { return {kernel, n}; }
-template <class Kernel, class N> Phase<Kernel, N, true> phaseBeside(const Kernel& kernel, N n) {
+template <When kWhen = When::Next, class Kernel, class N>
+Phase<Kernel, N, kWhen> phase(const Kernel& kernel, N n) {
   return {kernel, n};
 }
 /// When rounds() ends: no element is left, or there have been enough rounds.
@@ -73,8 +75,8 @@ struct Rounds {
 ///                                  number of keys. No key occurs at two levels (index / nodes())
 ///   require(per, counter)          reserves capacity before elements are written: none is dropped
 ///   rounds({left, turn}, take, propose...)  phases: runs `take`, sets `left` to zero and counts one more
-///                                  `turn`, then runs all others in order, until they leave `left` at zero
-///   sequence(counter, phases...)   runs all phases in order, unless the counter is zero
+///                                  `turn`, then runs all others in order, until they leave `left` at zero.
+///                                  If there was a round, those AtEnd follow
 ///   aliasRows()                    contact rows reuse the memory of the old manifolds
 ///   swapManifolds()                manifolds of this step become the old ones of the next
 ///   Lane                           Real or Real4: the number of contact points that one call processes
@@ -98,8 +100,7 @@ concept Executor = requires(E e, const E& still, const SolveBody<typename E::Lan
                &Counters::aggregates);
   e.require(Per::Color, &Counters::colors);
   e.rounds(Rounds{&Counters::clashes, &Counters::rounds}, phase(AnyKernel{}, &Counters::clashing),
-           phase(AnyKernel{}, &Counters::clashing));
-  e.sequence(&Counters::ccdRounds, phase(AnyKernel{}, 1), phaseBeside(AnyKernel{}, &Counters::swept));
+           phase(AnyKernel{}, &Counters::clashing), phase<When::AtEnd>(AnyKernel{}, 1));
   e.forEachColor(body, vertex);
   e.aliasRows();
   e.swapManifolds();

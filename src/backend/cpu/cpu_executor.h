@@ -103,18 +103,19 @@ class CpuExecutor {
     grown_.push_back({kindName(per), needed});
   }
 
-  template <class Take, class... Propose>
-  void rounds(const Rounds& of, const Take& take, const Propose&... propose) {
+  template <class Take, class... Others>
+  void rounds(const Rounds& of, const Take& take, const Others&... others) {
     int &left = view().counters->*of.left, &turn = view().counters->*of.turn;
+    const auto runIf = [&](bool wanted, const auto& phase) {
+      if (wanted) forEach(phase.kernel, phase.count);
+    };
     while (left != 0 && turn < of.most) {
       forEach(take.kernel, take.count);
       left = 0;
       ++turn;
-      (forEach(propose.kernel, propose.count), ...);
+      (runIf(Others::kWhen != When::AtEnd, others), ...);
     }
-  }
-  template <class... Phases> void sequence(int Counters::*unless, const Phases&... phases) {
-    if (view().counters->*unless != 0) (forEach(phases.kernel, phases.count), ...);
+    (runIf(Others::kWhen == When::AtEnd && turn != 0, others), ...);
   }
 
   template <class Kernel, class VertexKernel>

@@ -273,34 +273,26 @@ class CudaExecutor : private ScanLauncher {
   }
 
   /// A single launch with grid-wide barriers between the kernels.
-  template <class Take, class... Propose>
-  void rounds(const Rounds& of, const Take& take, const Propose&... propose) {
+  template <class Take, class... Others>
+  void rounds(const Rounds& of, const Take& take, const Others&... others) {
+    const auto runIf = [&](bool wanted, const auto& phase) {
+      if (wanted) forEach(phase.kernel, fetch(phase.count));
+    };
     if (observer_)
       return oneByOne([&] {
-        for (int turn = fetch(of.turn); fetch(of.left) != 0 && turn < of.most;) {
-          forEach(take.kernel, fetch(take.count));
+        int turn = fetch(of.turn);
+        while (fetch(of.left) != 0 && turn < of.most) {
+          runIf(true, take);
           store(of.left, 0), store(of.turn, ++turn);
-          (forEach(propose.kernel, fetch(propose.count)), ...);
+          (runIf(Others::kWhen != When::AtEnd, others), ...);
         }
+        (runIf(Others::kWhen == When::AtEnd && turn != 0, others), ...);
       });
     if (!begins()) return;
     enterStage(Take::Kernel::kStage);
-    launchTogether("rounds", runRounds<decltype(onGrid(take)), decltype(onGrid(propose))...>, view(),
+    launchTogether("rounds", runRounds<decltype(onGrid(take)), decltype(onGrid(others))...>, view(),
                    counter(of.left), counter(of.turn), of.most, Gate{control_}, onGrid(take),
-                   onGrid(propose)...);
-  }
-  template <class First, class... Next>
-  void sequence(int Counters::*unless, const First& first, const Next&... next) {
-    if (observer_)
-      return oneByOne([&] {
-        if (fetch(unless) == 0) return;
-        forEach(first.kernel, fetch(first.count));
-        (forEach(next.kernel, fetch(next.count)), ...);
-      });
-    if (!begins()) return;
-    enterStage(First::Kernel::kStage);
-    launchTogether("sequence", runSequence<decltype(onGrid(first)), decltype(onGrid(next))...>, view(),
-                   counter(unless), Gate{control_}, onGrid(first), onGrid(next)...);
+                   onGrid(others)...);
   }
 
   /// One launch for each of the first colors, and one for all others.

@@ -228,7 +228,7 @@ class KernelLauncher {
 
   Count countOf(int n) const { return {n, nullptr}; }
   Count countOf(int Counters::*c) const { return {0, counter(c)}; }
-  template <class P> GridPhase<typename P::Kernel, P::kBeside> onGrid(const P& phase) const {
+  template <class P> GridPhase<typename P::Kernel, P::kWhen> onGrid(const P& phase) const {
     return {{phase.kernel}, countOf(phase.count)};
   }
 

@@ -209,43 +209,37 @@ template <class Kernel> struct OnGrid {
     runStrided(s, kernel, n, [](int k) { return k; });
   }
 };
-template <class Kernel, bool kBesideV> struct GridPhase {
-  static constexpr bool kBeside = kBesideV;
+template <class Kernel, When kW> struct GridPhase {
   OnGrid<Kernel> kernel;
   Count count;
   __device__ void run(const SolverData& s) const { kernel(s, count.get()); }
-  /// After the preceding phase.
-  __device__ void runNext(const SolverData& s, const cooperative_groups::grid_group& grid) const {
-    if constexpr (!kBeside) grid.sync();
-    run(s);
+  /// In a round, or at the end, if the phase belongs there.
+  template <bool atEnd>
+  __device__ void runIn(const SolverData& s, const cooperative_groups::grid_group& grid) const {
+    if constexpr ((kW == When::AtEnd) == atEnd) {
+      if constexpr (kW != When::Beside) grid.sync();
+      run(s);
+    }
   }
 };
-inline constexpr int kGridThreads = 256;
 
 /// Rounds of phases until one leaves *left at zero. Cooperative: all blocks of the grid are resident.
-template <class Take, class... Propose>
+inline constexpr int kGridThreads = 256;
+template <class Take, class... Others>
 __global__ void __launch_bounds__(kGridThreads)
     runRounds(const __grid_constant__ SolverData s, int* left, int* turn, int most, Gate gate, Take take,
-              Propose... propose) {
+              Others... others) {
   if (gate.closed()) return;
   const auto grid = cooperative_groups::this_grid();
-  for (int round = *turn; round < most && *static_cast<volatile int*>(left) != 0; ++round) {
+  int round = *turn;
+  for (; round < most && *static_cast<volatile int*>(left) != 0; ++round) {
     take.run(s);
     grid.sync();
     if (grid.thread_rank() == 0) *left = 0, *turn = round + 1;
-    (propose.runNext(s, grid), ...);
+    (others.template runIn<false>(s, grid), ...);
     grid.sync();
   }
-}
-/// Phases, unless *condition is zero. Cooperative, too.
-template <class First, class... Next>
-__global__ void __launch_bounds__(kGridThreads)
-    runSequence(const __grid_constant__ SolverData s, const int* condition, Gate gate, First first,
-                Next... next) {
-  if (gate.closed() || *condition == 0) return;
-  const auto grid = cooperative_groups::this_grid();
-  first.run(s);
-  (next.runNext(s, grid), ...);
+  if (round > 0) (others.template runIn<true>(s, grid), ...);
 }
 
 }  // namespace rubble::RUBBLE_CORE

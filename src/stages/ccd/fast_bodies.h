@@ -178,29 +178,41 @@ RUBBLE_HD inline Real approach(const SolverData& s, const OrderedPair& o, const 
                            length(b.turn) * b.until * static_cast<double>(pb.radius - pb.shape.radius));
 }
 
-/// Do the bounding spheres of two bodies touch on their motions up to `limit`? Both move until the first of
-/// them stops, and then the other one alone. Their radii are larger by the gap at which an impact is found.
-RUBBLE_HD inline bool spheresMeet(const SolverData& s, int i, int j, const SweptMotion& a,
-                                  const SweptMotion& b, double limit = 1) {
+/// Half extents of a body on its motion, about its center.
+RUBBLE_HD inline Vec3 halfOfMotion(const SolverData& s, int i, const SweptMotion& m) {
+  const BodyParams& p = s.params[i];
+  const Real turn = static_cast<Real>(min(length(m.turn) * m.until, 1.0)) * p.radius;
+  return boundingHalf(p.shape, s.orientation[i]) + Vec3{turn, turn, turn};
+}
+/// Do the bounding spheres and boxes of two bodies touch on their motions up to `limit`? Both move until the
+/// first of them stops, and then the other one alone. They are larger by the gap at which an impact is found.
+RUBBLE_HD inline bool boundsMeet(const SolverData& s, int i, int j, const SweptMotion& a,
+                                 const SweptMotion& b, double limit = 1) {
   constexpr double kTouching = 2 * static_cast<double>(kImpactGap);
-  const double reach = static_cast<double>(s.params[i].radius + s.params[j].radius) * (1 + kTouching);
+  const double radii = static_cast<double>(s.params[i].radius + s.params[j].radius), gap = kTouching * radii,
+               reach = radii + gap;
   const auto between = [&](double t) {
     return s.position[j] - s.position[i] + b.move * min(t, b.until) - a.move * min(t, a.until);
   };
   const Vec3d corner[3] = {between(0), between(min(min(a.until, b.until), limit)), between(limit)};
-  for (int k = 0; k < 2; ++k) {
-    const Vec3d& from = corner[k];
-    const Vec3d way = corner[k + 1] - from;
+  const auto spheresMeet = [&](const Vec3d& from, const Vec3d& way) {
     const double size2 = dot(way, way), t = size2 > 0 ? clamp(-dot(from, way) / size2, 0.0, 1.0) : 0.0;
-    if (lengthSquared(from + way * t) <= reach * reach) return true;
-  }
+    return lengthSquared(from + way * t) <= reach * reach;
+  };
+  const auto boxesMeet = [&](const Vec3d& from, const Vec3d& way) {
+    const Vec3d half = Vec3d(halfOfMotion(s, i, a) + halfOfMotion(s, j, b)) + Vec3d{gap, gap, gap};
+    return passes(from, inverseOf(way), half, 1);
+  };
+  for (int k = 0; k < 2; ++k)
+    if (const Vec3d way = corner[k + 1] - corner[k]; spheresMeet(corner[k], way) && boxesMeet(corner[k], way))
+      return true;
   return false;
 }
-/// The same for any shape: planes have no bounding sphere.
+/// The same for any shape: planes have no bounds.
 RUBBLE_HD inline bool mayMeet(const SolverData& s, int i, int j, const SweptMotion& a, const SweptMotion& b,
                               double limit = 1) {
   const auto isPlane = [&](int body) { return s.params[body].shape.kind == ShapeKind::Plane; };
-  return isPlane(i) || isPlane(j) || spheresMeet(s, i, j, a, b, limit);
+  return isPlane(i) || isPlane(j) || boundsMeet(s, i, j, a, b, limit);
 }
 
 RUBBLE_HD inline bool bothDynamic(const SolverData& s, const OrderedPair& o) {

@@ -19,14 +19,14 @@ template <Executor E> void stop(E& e) {
   e.forEach(FindImpacts{}, &Counters::swept);
   if (s.generalShapes) e.forEach(FindGeneralImpacts{}, &Counters::swept);
   e.beside(FindUnpairedImpacts{}, &Counters::searchedBodies);
-  e.rounds({&Counters::ccdImpacts, &Counters::ccdRounds, kCcdRounds},
-           phase(BeginCcdRound{}, &Counters::fastBodies), phase(ListStopped{}, &Counters::fastBodies),
-           phase(FindImpacts{}, &Counters::swept), phaseBeside(FindGeneralImpacts{}, &Counters::swept),
-           phaseBeside(FindUnpairedImpacts{}, &Counters::searchedBodies));
-  // the first round follows the first impact
-  e.sequence(&Counters::ccdRounds, phase(RaiseIslandShares{}, s.bodies), phase(StopCcdIslands{}, s.bodies),
-             phase(ChooseCcdPairs{}, &Counters::swept), phase(StopBodies{}, &Counters::swept),
-             phaseBeside(StopUnpairedBodies{}, s.bodies));
+  e.rounds(
+      {&Counters::ccdImpacts, &Counters::ccdRounds, kCcdRounds},
+      phase(BeginCcdRound{}, &Counters::fastBodies), phase(ListStopped{}, &Counters::fastBodies),
+      phase(FindImpacts{}, &Counters::swept), phase<When::Beside>(FindGeneralImpacts{}, &Counters::swept),
+      phase<When::Beside>(FindUnpairedImpacts{}, &Counters::searchedBodies),
+      phase<When::AtEnd>(RaiseIslandShares{}, s.bodies), phase<When::AtEnd>(StopCcdIslands{}, s.bodies),
+      phase<When::AtEnd>(ChooseCcdPairs{}, &Counters::swept),
+      phase<When::AtEnd>(StopBodies{}, &Counters::swept), phase<When::AtEnd>(StopUnpairedBodies{}, s.bodies));
 }
 
 }  // namespace rubble::RUBBLE_CORE::ccd
