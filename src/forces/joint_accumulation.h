@@ -106,8 +106,9 @@ RUBBLE_HD RUBBLE_NEAR bool turnForces(const AngularRows& rows, const Vec3& turne
               force[0], hessian);
     return force[0] != Real(0) || hessian > Real(0);
   }
+  // rows beyond the last one are zero; a fixed number of them stays in registers
   cutForce<AngularRows::kMost, Real>({rows.k, rows.compliance, rows.bound}, error, rows.lambda, force,
-                                     rows.count, hessian);
+                                     AngularRows::kMost, hessian);
   return true;
 }
 
@@ -131,7 +132,9 @@ template <bool ahead> class AngularRowStream {
       const AngularRows& rows = next_;
       Real force[AngularRows::kMost], hessian;
       if (!turnForces(rows, turned, force, hessian)) continue;
-      for (int i = 0; i < max(rows.count, 1); ++i) {
+      RUBBLE_UNROLL
+      for (int i = 0; i < AngularRows::kMost; ++i) {
+        if (i >= max(rows.count, 1)) break;
         const Vec3 j = rotate(turnedB, rows.row[i].turn);
         block.fa -= (sign * force[i]) * j;
         block.aa += outer(j, hessian);

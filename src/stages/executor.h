@@ -35,6 +35,29 @@ struct AnyKernel {
   RUBBLE_HD void operator()(const SolverData&, int) const {}
 };
 
+/// When a kernel of rounds() runs: after the preceding one, or beside it because they share no data, or once
+/// at the end.
+enum class When { Next, Beside, AtEnd };
+template <class KernelType, class N, When kW> struct Phase {
+  using Kernel = KernelType;
+  static constexpr When kWhen = kW;
+  Kernel kernel;
+  N count;  ///< of its elements: a number, or a counter
+};
+template <When kWhen = When::Next, class Kernel, class N>
+Phase<Kernel, N, kWhen> phase(const Kernel& kernel, N n) {
+  return {kernel, n};
+}
+/// When rounds() ends: no element is left, or there have been enough rounds.
+struct Rounds {
+  int Counters::*left;
+  int Counters::*turn;  ///< counts the rounds
+  /// A bound that is not reached: each round of a coloring, say, settles at least the clashing body of
+  /// highest rank, so a few are enough.
+  static constexpr int kMaxRounds = 10000;
+  int most = kMaxRounds;
+};
+
 /// The operations that an executor offers to a step. `Counter` is a member of Counters: a number that the
 /// step itself counts.
 ///
@@ -51,8 +74,9 @@ struct AnyKernel {
 ///                                  ascending key; negative keys are left out. The counter receives the
 ///                                  number of keys. No key occurs at two levels (index / nodes())
 ///   require(per, counter)          reserves capacity before elements are written: none is dropped
-///   rounds(take, propose, counter, left, turn)  alternates two kernels over `counter` elements until
-///                                  `propose` leaves `left` at zero; `turn` counts the rounds
+///   rounds({left, turn}, take, propose...)  phases: runs `take`, sets `left` to zero and counts one more
+///                                  `turn`, then runs all others in order, until they leave `left` at zero.
+///                                  If there was a round, those AtEnd follow
 ///   aliasRows()                    contact rows reuse the memory of the old manifolds
 ///   swapManifolds()                manifolds of this step become the old ones of the next
 ///   Lane                           Real or Real4: the number of contact points that one call processes
@@ -75,7 +99,8 @@ concept Executor = requires(E e, const E& still, const SolveBody<typename E::Lan
   e.groupByKey(&SolverData::aggregateOf, 1, &SolverData::aggregateOffset, &SolverData::aggregateNode,
                &Counters::aggregates);
   e.require(Per::Color, &Counters::colors);
-  e.rounds(AnyKernel{}, AnyKernel{}, &Counters::clashing, &Counters::clashes, &Counters::rounds);
+  e.rounds(Rounds{&Counters::clashes, &Counters::rounds}, phase(AnyKernel{}, &Counters::clashing),
+           phase(AnyKernel{}, &Counters::clashing), phase<When::AtEnd>(AnyKernel{}, 1));
   e.forEachColor(body, vertex);
   e.aliasRows();
   e.swapManifolds();

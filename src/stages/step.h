@@ -18,9 +18,19 @@
 
 namespace rubble::RUBBLE_CORE {
 
+/// Clears the arrays in which kernels of the step count or raise numbers.
+template <Executor E> void clear(E& e) {
+  pairs::clear(e);
+  contacts::clear(e);
+  trees::clear(e);
+  coarse::clear(e);
+  bodies::clear(e);
+}
+
 /// Detects collisions and builds constraint rows, incidence lists and colors at x^t. Bodies move only to
 /// their initial guess.
 template <Executor E> void prepare(E& e) {
+  clear(e);
   bodies::predict(e);
   pairs::find(e);
   soft::findPairs(e);

@@ -26,9 +26,6 @@ namespace rubble::RUBBLE_CORE {
 class CpuExecutor {
  public:
   using Lane = Real4;
-  /// Bound on coloring rounds. Each round settles at least the clashing body of highest rank, so a proper
-  /// coloring takes a few rounds.
-  static constexpr int kMaxRounds = 10000;
 
   /// `timings`: measure stage times. `tasks`: run all loops, if given. `memory`: of the tables.
   explicit CpuExecutor(int threads, bool timings = true, TaskSystem tasks = {},
@@ -106,16 +103,19 @@ class CpuExecutor {
     grown_.push_back({kindName(per), needed});
   }
 
-  template <class Take, class Propose>
-  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
-              int Counters::*turn) {
-    Counters& c = *view().counters;
-    while (c.*left != 0 && c.*turn < kMaxRounds) {
-      forEach(take, count);
-      c.*left = 0;
-      ++(c.*turn);
-      forEach(propose, count);
+  template <class Take, class... Others>
+  void rounds(const Rounds& of, const Take& take, const Others&... others) {
+    int &left = view().counters->*of.left, &turn = view().counters->*of.turn;
+    const auto runIf = [&](bool wanted, const auto& phase) {
+      if (wanted) forEach(phase.kernel, phase.count);
+    };
+    while (left != 0 && turn < of.most) {
+      forEach(take.kernel, take.count);
+      left = 0;
+      ++turn;
+      (runIf(Others::kWhen != When::AtEnd, others), ...);
     }
+    (runIf(Others::kWhen == When::AtEnd && turn != 0, others), ...);
   }
 
   template <class Kernel, class VertexKernel>

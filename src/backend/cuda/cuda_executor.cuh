@@ -23,8 +23,6 @@ namespace rubble::RUBBLE_CORE {
 class CudaExecutor : private ScanLauncher {
  public:
   using Lane = Real;
-  /// As in CpuExecutor: a guard that is not reached by a proper coloring.
-  static constexpr int kMaxRounds = 10000;
 
   CudaExecutor(DeviceTables& tables, cudaStream_t stream) : ScanLauncher(tables, stream) {
     count(&Counters::newPairs, Per::Pair), count(&Counters::tested, Per::ActivePair);
@@ -55,7 +53,7 @@ class CudaExecutor : private ScanLauncher {
     if (walk(nothing)) tables_.swapManifolds();
     reserveSizes();
     tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Slice)) * kSumLevels);
-    colorBins_.reserve(sizeof(int) * 2 * kColorBins);
+    colorBins_.reserve(sizeof(int) * kBins);
     reserveList(highDegree_, tables_.capacity(Per::Incidence), kLongIncidences);
     if (peers_) reserveList(ownHighDegree_, tables_.capacity(Per::Incidence), kLongIncidences);
     reserveList(longSlices_, tables_.capacity(Per::Boundary), kLongRounds * kSmallWidth / kLanes);
@@ -66,7 +64,7 @@ class CudaExecutor : private ScanLauncher {
   bool enqueue(const EnqueueOptions& options) {
     if (options.from == 0)
       checkCuda(cudaMemsetAsync(view().counters, 0, sizeof(Counters), stream_), "cudaMemsetAsync");
-    checkCuda(cudaMemsetAsync(control_, 0, sizeof(Control), stream_), "cudaMemsetAsync");
+    clearControl();
     return walk(options);
   }
 
@@ -235,7 +233,7 @@ class CudaExecutor : private ScanLauncher {
   void run(const FindImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindGeneralImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindUnpairedImpacts& kernel, int Counters::*n) {
-    runRarely(SearchByTile<FindUnpairedImpacts, kWarp>{kernel}, n);
+    runRarely(FindUnpairedImpactsByWarp{kernel}, n);
   }
   void run(const FindPairs<false>& kernel, int n) { search<FindPairsByTile>(kernel, n); }
 
@@ -251,7 +249,6 @@ class CudaExecutor : private ScanLauncher {
   }
   void run(const FindClashes&, int n) { runByWarp(FindClashesByWarp{}, n); }
   void run(const SortIncidences&, int n) {
-    startList(highDegree_, SortIncidences::kStage);
     runByWarp(SortIncidencesByWarp{listOf(highDegree_)}, n);
     if (!begun() || n <= 0) return;
     launchNext(sortHighDegree, {processors_, kSortThreads}, SortIncidences::kStage, view(),
@@ -259,30 +256,43 @@ class CudaExecutor : private ScanLauncher {
   }
   void run(const FillBoundary& kernel, int Counters::*n) {
     if constexpr (kStrict) return run<FillBoundary>(kernel, n);
-    startList(longSlices_, FillBoundary::kStage);
     run(FillBoundaryByTile{listOf(longSlices_)}, n);
   }
 
-  void run(const CountColors&, int n) { countByColor<ColoredBodies>(n); }
-  void run(const FillColors&, int n) { launchByColor(fillColors<ColoredBodies>, FillColors::kStage, n); }
-  void run(const CountVertexColors&, int n) { countByColor<ColoredVertices>(n); }
+  void run(const CountColors&, int n) {
+    launchByColor<ColoredBodies>(countColors<ColoredBodies>, CountColors::kStage, n);
+  }
+  void run(const FillColors&, int n) {
+    launchByColor<ColoredBodies>(fillColors<ColoredBodies>, FillColors::kStage, n);
+  }
+  void run(const CountVertexColors&, int n) {
+    launchByColor<ColoredVertices>(countColors<ColoredVertices>, CountColors::kStage, n);
+  }
   void run(const FillVertexColors&, int n) {
-    launchByColor(fillColors<ColoredVertices>, FillVertexColors::kStage, n);
+    launchByColor<ColoredVertices>(fillColors<ColoredVertices>, FillVertexColors::kStage, n);
   }
 
   /// A single launch with grid-wide barriers between the kernels.
-  template <class Take, class Propose>
-  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
-              int Counters::*turn) {
+  template <class Take, class... Others>
+  void rounds(const Rounds& of, const Take& take, const Others&... others) {
+    const auto runIf = [&](bool wanted, const auto& phase) {
+      if (wanted) forEach(phase.kernel, fetch(phase.count));
+    };
     if (observer_)
-      return roundsOneByOne(
-          count, left, turn, kMaxRounds, [&](int n) { forEach(take, n); },
-          [&](int n) { forEach(propose, n); });
+      return oneByOne([&] {
+        int turn = fetch(of.turn);
+        while (fetch(of.left) != 0 && turn < of.most) {
+          runIf(true, take);
+          store(of.left, 0), store(of.turn, ++turn);
+          (runIf(Others::kWhen != When::AtEnd, others), ...);
+        }
+        (runIf(Others::kWhen == When::AtEnd && turn != 0, others), ...);
+      });
     if (!begins()) return;
-    enterStage(Take::kStage);
-    launchTogether(runRounds<Take, Propose>, kRoundThreads, "rounds", view(), take,
-                   InBatches<Propose>{propose}, counter(count), counter(left), counter(turn), kMaxRounds,
-                   Gate{control_});
+    enterStage(Take::Kernel::kStage);
+    launchTogether("rounds", runRounds<decltype(onGrid(take)), decltype(onGrid(others))...>, view(),
+                   counter(of.left), counter(of.turn), of.most, Gate{control_}, onGrid(take),
+                   onGrid(others)...);
   }
 
   /// One launch for each of the first colors, and one for all others.
@@ -306,6 +316,7 @@ class CudaExecutor : private ScanLauncher {
     const int vertexBlocks = std::min((view().vertices * kVertexLanes + kSolveThreads - 1) / kSolveThreads,
                                       held / kVertexShare);
     const int bodyBlocks = std::min((view().bodies + kTailBodies - 1) / kTailBodies, held - vertexBlocks);
+    flush();
     // A color starts while the previous one is being solved and reads ahead what no sweep writes. The first
     // one starts after everything else has ended.
     afterKernel_ = false;
@@ -326,11 +337,9 @@ class CudaExecutor : private ScanLauncher {
 
   /// Begins work between steps, whose kernels belong to no graph and no stage.
   void beginWork() {
-    checkCuda(cudaMemsetAsync(control_, 0, sizeof(Control), stream_), "cudaMemsetAsync");
-    options_ = {};
-    operation_ = 0;
-    stage_ = nullptr;
-    kept_ = afterKernel_ = false;
+    clearControl();
+    beginOperations();
+    kept_ = false;
   }
   void endWork() { enterStage(nullptr); }
   /// Other work was enqueued after the last kernel of this executor.
@@ -346,11 +355,11 @@ class CudaExecutor : private ScanLauncher {
 
  private:
   bool walk(const EnqueueOptions& options) {
-    options_ = options;
-    operation_ = 0;
-    stage_ = nullptr;
-    kept_ = afterKernel_ = false;
+    beginOperations(options);
+    kept_ = false;
     if (peers_) peers_->begin();
+    startList(highDegree_), startList(longSlices_);
+    if (begins()) clearNext(reinterpret_cast<int*>(colorBins_.data()), nullptr, kBins);
     step(*this);
     enterStage(nullptr);
     return kept_;
@@ -375,8 +384,7 @@ class CudaExecutor : private ScanLauncher {
     else if constexpr (std::same_as<Kernel, SumInertia>)
       runList(SumInertiaByTile{tree()}, PeerList::SeenSlices, n);
     else if constexpr (std::same_as<Kernel, FillBoundary>)
-      startList(longSlices_, FillBoundary::kStage),
-          runList(FillBoundaryByTile{listOf(longSlices_)}, PeerList::Slices, n);
+      runList(FillBoundaryByTile{listOf(longSlices_)}, PeerList::Slices, n);
     else if constexpr (D::kCut == Cut::Joints)
       runList(kernel, listOfJoints(PeerJoints::All, which), n, view().joints[which]);
     else if constexpr (D::kCut == Cut::OwnJoints)
@@ -424,7 +432,7 @@ class CudaExecutor : private ScanLauncher {
   }
   /// The bodies of high degree that this device solves.
   void keepOwnHighDegree() {
-    startList(ownHighDegree_, "ranks");
+    startList(ownHighDegree_);
     if (!begins()) return;
     const LongList all = listOf(highDegree_);
     launch(KeepOwn{all, listOf(ownHighDegree_), owners()}, {0, all.count},
@@ -434,18 +442,12 @@ class CudaExecutor : private ScanLauncher {
     return peers_ ? PeerOwners{peers_->data().owner, peers_->data().rank} : PeerOwners{};
   }
 
-  template <class Kernel> void launchByColor(Kernel* kernel, const char* name, int n) {
+  template <class Nodes, class Kernel> void launchByColor(Kernel* kernel, const char* name, int n) {
     if (!begins() || n <= 0) return;
     enterStage(name);
-    launchNext(kernel, {(n + kColorNodes - 1) / kColorNodes, kThreads}, name, view(), colorBins(),
-               Gate{control_});
+    launchNext(kernel, {(n + kColorNodes - 1) / kColorNodes, kThreads}, name, view(),
+               colorBins(std::same_as<Nodes, ColoredVertices>), Gate{control_});
   }
-  template <class Nodes> void countByColor(int n) {
-    if (begins())
-      launch(FillArray{colorBins().population, 0}, {2 * kColorBins, nullptr}, 2 * kColorBins, "clear");
-    launchByColor(countColors<Nodes>, CountColors::kStage, n);
-  }
-
   template <int kBlockThreads> void solveFewClusters(int level, int n) {
     if (!begins() || n <= 0) return;
     enterStage(SolveCluster::kStage);
@@ -470,8 +472,10 @@ class CudaExecutor : private ScanLauncher {
                SolveThreads::of(view(), processors_), control_);
   }
 
-  ColorBins colorBins() const {
-    int* const first = reinterpret_cast<int*>(colorBins_.data());
+  /// Bins of the bodies and of the vertices: numbers of nodes, and of those placed so far.
+  static constexpr int kBins = 2 * 2 * kColorBins;
+  ColorBins colorBins(bool vertices) const {
+    int* const first = reinterpret_cast<int*>(colorBins_.data()) + (vertices ? kBins / 2 : 0);
     return {first, first + kColorBins, owners()};
   }
   /// One warp per kWarp of n bodies.

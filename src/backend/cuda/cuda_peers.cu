@@ -355,6 +355,7 @@ void CudaPeers::exchangeLetters() {
   const int first = std::exchange(firstPost_, -1);
   if (!begins) return;
   launcher.enterStage("ranks");
+  launcher.flush();
   impl_->letters->exchange(exchange_, first < 0 ? launcher.operation() : first, launcher.control_);
   launcher.afterKernel_ = false;
 }

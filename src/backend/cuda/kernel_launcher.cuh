@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "backend/cuda/device_memory.h"
 #include "backend/cuda/kernels.cuh"
@@ -48,14 +50,29 @@ class KernelLauncher {
               "cudaDeviceGetAttribute");
     // more blocks would only queue
     maxBlocks_ = processors_ * (threads / kThreads);
-    control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
+    reserveCleared(0);
     std::fill(std::begin(perOf_), std::end(perOf_), -1);
   }
-  ~KernelLauncher() { DeviceMemory::release(control_); }
   KernelLauncher(const KernelLauncher&) = delete;
   KernelLauncher& operator=(const KernelLauncher&) = delete;
 
   const SolverData& view() const { return tables_.view(); }
+
+  /// The memory that clearControl() clears: the control, and bytes that follow it.
+  void reserveCleared(std::size_t bytes) {
+    clearedBytes_ = sizeof(Control) + bytes;
+    cleared_.reserve(clearedBytes_);
+    control_ = reinterpret_cast<Control*>(cleared_.data());
+  }
+  void clearControl() { checkCuda(cudaMemsetAsync(control_, 0, clearedBytes_, stream_), "cudaMemsetAsync"); }
+  /// Begins a step, or work between steps, whose kernels belong to no graph.
+  void beginOperations(const EnqueueOptions& options = {}) {
+    options_ = options;
+    operation_ = clears_.count = 0;
+    check_ = {};
+    stage_ = nullptr;
+    afterKernel_ = false;
+  }
 
   /// Counts operations. Returns whether this one is enqueued.
   bool begins() { return operation_++ >= options_.from; }
@@ -133,10 +150,33 @@ class KernelLauncher {
   struct Grid {
     int blocks, threads;
   };
+
+  /// Clears an array before the next kernel. Clears that follow one another share a launch.
+  void clearNext(int* first, const int* counted, int most) {
+    if (clears_.count == Clears::kMost) flush();
+    clears_.array[clears_.count++] = {first, counted, most};
+  }
+  /// Checks room before the next kernel, and before what is cleared from now on, which a step that stops here
+  /// clears when it continues.
+  void checkNext(const RoomCheck& check) {
+    flush();
+    check_ = check;
+  }
+  /// Launches what waits for the next kernel. To be called before other work is enqueued.
+  void flush() {
+    if (clears_.count == 0 && !check_.counter) return;
+    const Clears clears = std::exchange(clears_, {});
+    std::int64_t most = 0;
+    for (int k = 0; k < clears.count; ++k) most += clears.array[k].most;
+    const int elements = static_cast<int>(std::min<std::int64_t>(most, std::numeric_limits<int>::max()));
+    launchNext(clearArrays, {blocksFor(elements), kThreads}, "clear", clears, std::exchange(check_, {}),
+               control_);
+  }
   /// Launches a kernel that starts with awaitPrevious(). After another kernel of this class it uses
   /// programmatic dependent launch.
   template <class... Wanted, class... Given>
   void launchNext(void (*kernel)(Wanted...), const Grid& grid, const char* name, Given&&... arguments) {
+    flush();
     cudaLaunchAttribute early{};
     early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
     early.val.programmaticStreamSerializationAllowed = 1;
@@ -149,51 +189,56 @@ class KernelLauncher {
     checkCuda(cudaLaunchKernelEx(&config, kernel, std::forward<Given>(arguments)...), name);
     afterKernel_ = launchesEarly_;
   }
-  /// The same with barriers across the grid, of one block per multiprocessor.
+  /// A kernel with barriers across the grid, of one block per multiprocessor.
   template <class... Wanted, class... Given>
-  void launchTogether(void (*kernel)(Wanted...), int threads, const char* name, Given&&... arguments) {
+  void launchTogether(const char* name, void (*kernel)(Wanted...), Given&&... arguments) {
+    flush();
     cudaLaunchAttribute together{};
     together.id = cudaLaunchAttributeCooperative;
     together.val.cooperative = 1;
     cudaLaunchConfig_t config{};
     config.gridDim = dim3(static_cast<unsigned>(processors_));
-    config.blockDim = dim3(static_cast<unsigned>(threads));
+    config.blockDim = dim3(static_cast<unsigned>(kGridThreads));
     config.stream = stream_;
     config.attrs = &together;
     config.numAttrs = 1;
     checkCuda(cudaLaunchKernelEx(&config, kernel, std::forward<Given>(arguments)...), name);
     afterKernel_ = false;
   }
-  /// Rounds of two kernels from the host, so that each is announced, while any element is left. take(n) and
-  /// propose(n) run them. It counts as one operation: a step that stops later is resumed by number.
-  template <class Take, class Propose>
-  void roundsOneByOne(int Counters::*count, int Counters::*left, int Counters::*turn, int most, Take&& take,
-                      Propose&& propose) {
+  /// Runs phases from the host, so that each is announced. It counts as one operation: a step that stops
+  /// later is resumed by number.
+  template <class Phases> void oneByOne(Phases&& phases) {
     if (!begins()) return;
     const int next = operation_;
-    Counters c;
-    const auto copy = [&](void* to, const void* from, cudaMemcpyKind kind) {
-      checkCuda(cudaMemcpyAsync(to, from, sizeof(int), kind, stream_), "cudaMemcpyAsync");
-      checkCuda(cudaStreamSynchronize(stream_), "rounds");
-      afterKernel_ = false;
-    };
-    while (true) {
-      copy(&(c.*count), counter(count), cudaMemcpyDeviceToHost);
-      copy(&(c.*left), counter(left), cudaMemcpyDeviceToHost);
-      copy(&(c.*turn), counter(turn), cudaMemcpyDeviceToHost);
-      operation_ = next;
-      if (c.*left == 0 || c.*turn >= most) return;
-      take(c.*count);
-      c.*left = 0, ++(c.*turn);
-      copy(counter(left), &(c.*left), cudaMemcpyHostToDevice);
-      copy(counter(turn), &(c.*turn), cudaMemcpyHostToDevice);
-      propose(c.*count);
-    }
+    phases();
+    operation_ = next;
+  }
+  int fetch(int n) const { return n; }
+  int fetch(int Counters::*c) {
+    int value = 0;
+    copyNow(&value, counter(c), cudaMemcpyDeviceToHost);
+    return value;
+  }
+  void store(int Counters::*c, int value) { copyNow(counter(c), &value, cudaMemcpyHostToDevice); }
+  void copyNow(int* to, const int* from, cudaMemcpyKind kind) {
+    checkCuda(cudaMemcpyAsync(to, from, sizeof(int), kind, stream_), "cudaMemcpyAsync");
+    checkCuda(cudaStreamSynchronize(stream_), "a counter");
+    afterKernel_ = false;
+  }
+
+  Count countOf(int n) const { return {n, nullptr}; }
+  Count countOf(int Counters::*c) const { return {0, counter(c)}; }
+  template <class P> GridPhase<typename P::Kernel, P::kWhen> onGrid(const P& phase) const {
+    return {{phase.kernel}, countOf(phase.count)};
   }
 
   DeviceTables& tables_;
   cudaStream_t stream_;
-  Control* control_ = nullptr;
+  DeviceBuffer cleared_;
+  std::size_t clearedBytes_ = 0;
+  Control* control_ = nullptr;  ///< first in cleared_
+  Clears clears_;               ///< of clearNext()
+  RoomCheck check_;             ///< of checkNext()
   EnqueueOptions options_;
   KernelObserver observer_;
   int operation_ = 0;

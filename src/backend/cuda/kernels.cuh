@@ -122,12 +122,6 @@ __global__ void __launch_bounds__(kThreads, 6)
   runStrided(s, kernel, offsets[range + 1] - begin, [&](int k) { return begin + k; });
 }
 
-struct FillArray {
-  int* array;
-  int value;
-  __device__ void operator()(const SolverData&, int i) const { array[i] = value; }
-};
-
 /// 0 to modulo - 1, repeated.
 struct WriteIndices {
   int* array;
@@ -159,10 +153,11 @@ struct CountAt {
   const int* counts;
   const int* counted;
   int fixed, limit;
-  __host__ __device__ int operator()(int i) const {
+  __host__ __device__ int count() const {
     const int n = counted ? *counted : fixed;
-    return i < n && i < limit ? counts[i] : 0;
+    return n < limit ? n : limit;
   }
+  __host__ __device__ int operator()(int i) const { return i < count() ? counts[i] : 0; }
 };
 
 /// Capacity of a table whose elements a step counts, and the operation that needs it.
@@ -174,46 +169,77 @@ __device__ inline void checkRoom(Control* control, int count, const Room& room) 
   if (count > room.capacity) lack(control, room.operation, room.per, count);
 }
 
-/// Stores the total of a scan over at most `limit` elements, which follows the last offset.
-static __global__ void keepTotal(Control* control, const int* offsets, int limit, int* total, Room room) {
+/// A counter whose table must have room for it; null: none.
+struct RoomCheck {
+  int* counter = nullptr;
+  Room room{};
+};
+
+/// Arrays to be cleared in one launch.
+struct Clears {
+  static constexpr int kMost = 12;
+  struct Array {
+    int* first;
+    const int* counted;  ///< device counter of its elements, or null
+    int most;            ///< elements at most
+  } array[kMost];
+  int count = 0;
+};
+
+/// Clears arrays and checks room. Should that lack, blocks that see it leave out their share, for the step is
+/// continued from the operation that checks.
+static __global__ void __launch_bounds__(kThreads)
+    clearArrays(const __grid_constant__ Clears clears, RoomCheck check, Control* control) {
   awaitPrevious();
   if (control->stop != 0) return;
-  *total = offsets[limit];
-  checkRoom(control, *total, room);
+  const int thread = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
+            threads = static_cast<int>(gridDim.x * blockDim.x);
+  for (int k = 0; k < clears.count; ++k) {
+    const Clears::Array& a = clears.array[k];
+    const int n = a.counted ? min(*a.counted, a.most) : a.most;
+    for (int i = thread; i < n; i += threads) a.first[i] = 0;
+  }
+  if (thread == 0 && check.counter) checkRoom(control, *check.counter, check.room);
 }
 
-static __global__ void requireRoom(Control* control, const int* count, Room room) {
-  awaitPrevious();
-  if (control->stop == 0) checkRoom(control, *count, room);
-}
-
-/// kernel(s, k) for batches of kWarp elements, one warp per batch, from batch * kWarp on.
-template <class Kernel> struct InBatches {
+/// How all threads of a grid share the n elements of a kernel.
+template <class Kernel> struct OnGrid {
   Kernel kernel;
-  __device__ void operator()(const SolverData& s, int batch, int count, const Tile<kWarp>& tile) const {
-    if (const int k = batch * kWarp + tile.lane; k < count) kernel(s, k);
+  __device__ void operator()(const SolverData& s, int n) const {
+    runStrided(s, kernel, n, [](int k) { return k; });
+  }
+};
+template <class Kernel, When kW> struct GridPhase {
+  OnGrid<Kernel> kernel;
+  Count count;
+  __device__ void run(const SolverData& s) const { kernel(s, count.get()); }
+  /// In a round, or at the end, if the phase belongs there.
+  template <bool atEnd>
+  __device__ void runIn(const SolverData& s, const cooperative_groups::grid_group& grid) const {
+    if constexpr ((kW == When::AtEnd) == atEnd) {
+      if constexpr (kW != When::Beside) grid.sync();
+      run(s);
+    }
   }
 };
 
-/// Alternates `take` (one thread per element) and `propose` (one warp per kWarp elements) until a round
-/// leaves *left at zero. Cooperative: all blocks of the grid are resident.
-inline constexpr int kRoundThreads = 256;
-template <class Take, class Propose>
-__global__ void __launch_bounds__(kRoundThreads)
-    runRounds(const __grid_constant__ SolverData s, Take take, InBatches<Propose> propose, const int* count,
-              int* left, int* rounds, int maxRounds, Gate gate) {
+/// Rounds of phases until one leaves *left at zero. Cooperative: all blocks of the grid are resident.
+inline constexpr int kGridThreads = 256;
+template <class Take, class... Others>
+__global__ void __launch_bounds__(kGridThreads)
+    runRounds(const __grid_constant__ SolverData s, int* left, int* turn, int most, Gate gate, Take take,
+              Others... others) {
   if (gate.closed()) return;
   const auto grid = cooperative_groups::this_grid();
-  const int n = *count, first = static_cast<int>(grid.thread_rank()), stride = static_cast<int>(grid.size());
-  for (int round = 0; round < maxRounds && *static_cast<volatile int*>(left) != 0; ++round) {
-    for (int k = first; k < n; k += stride) take(s, k);
+  int round = *turn;
+  for (; round < most && *static_cast<volatile int*>(left) != 0; ++round) {
+    take.run(s);
     grid.sync();
-    if (first == 0) *left = 0, *rounds = round + 1;
-    grid.sync();
-    for (int batch = first / kWarp; batch * kWarp < n; batch += stride / kWarp)
-      propose(s, batch, n, Tile<kWarp>::ofThread());
+    if (grid.thread_rank() == 0) *left = 0, *turn = round + 1;
+    (others.template runIn<false>(s, grid), ...);
     grid.sync();
   }
+  if (round > 0) (others.template runIn<true>(s, grid), ...);
 }
 
 }  // namespace rubble::RUBBLE_CORE

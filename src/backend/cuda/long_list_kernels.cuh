@@ -66,7 +66,7 @@ __device__ void forEachOfWarp(const Tile<kWarp>& tile, bool mine, int i, Simd4Ke
     together(__shfl_sync(tile.mask, i, __ffs(static_cast<int>(left)) - 1));
 }
 /// Number of warps for a stage over n bodies with one body per lane.
-inline int warpsFor(int n) { return (n + kWarp - 1) / kWarp; }
+RUBBLE_HD inline int warpsFor(int n) { return (n + kWarp - 1) / kWarp; }
 
 /// SortIncidences for 32 bodies: one lane per short list, and all lanes for one long list at a time. Lists of
 /// high-degree bodies are recorded and sorted by one block each.
@@ -156,10 +156,13 @@ struct FindClashesByWarp {
   }
 };
 
-template <> struct InBatches<ProposeColors> {
+/// ProposeColors for 32 bodies, as SortIncidencesByWarp.
+struct ProposeColorsByWarp {
+  static constexpr int kWidth = kWarp;
   ProposeColors kernel;
-  __device__ void operator()(const SolverData& s, int batch, int count, const Tile<kWarp>& tile) const {
-    const int k = batch * kWarp + tile.lane, i = k < count ? s.clashing[k] : -1;
+  int count;
+  __device__ void operator()(const SolverData& s, int warp, const Tile<kWidth>& tile) const {
+    const int k = warp * kWarp + tile.lane, i = k < count ? s.clashing[k] : -1;
     const bool highDegree = i >= 0 && i < kVertexNode && isHighDegree(s, i);
     if (i >= 0 && !highDegree) kernel(s, k);
     forEachOfWarp(tile, highDegree, i, [&](int body) {
@@ -168,6 +171,12 @@ template <> struct InBatches<ProposeColors> {
       s.nextColor[body] = next;
       atomicCount(&s.counters->clashes, 1);
     });
+  }
+};
+template <> struct OnGrid<ProposeColors> {
+  ProposeColors kernel;
+  __device__ void operator()(const SolverData& s, int n) const {
+    runStrided(s, ProposeColorsByWarp{kernel, n}, warpsFor(n), [](int k) { return k; });
   }
 };
 

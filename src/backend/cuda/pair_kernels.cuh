@@ -37,6 +37,56 @@ template <class Search, int kTile> struct SearchByTile {
   }
 };
 template <int kTile> using FindNeighborsByTile = SearchByTile<FindNeighbors, kTile>;
+/// What a warp has found to sweep against: few lanes find most of it, so all lanes share it afterwards.
+class SweepsOfWarp {
+ public:
+  __device__ explicit SweepsOfWarp(const Tile<kWarp>& tile) : tile_(tile), list_(listOfWarp()) {
+    if (tile.lane == 0) list_.count = 0;
+    __syncwarp(tile.mask);
+  }
+  template <class Sweep> __device__ void add(int other, Sweep&& sweep) const {
+    if (const int k = atomicAdd(&list_.count, 1); k < kMost)
+      list_.body[k] = other;
+    else
+      sweep(other);
+  }
+  template <class Sweep> __device__ void finish(Sweep&& sweep) const {
+    __syncwarp(tile_.mask);
+    const int count = min(list_.count, kMost);
+    for (int k = tile_.lane; k < count; k += kWarp) sweep(list_.body[k]);
+    __syncwarp(tile_.mask);
+    if (tile_.lane == 0) list_.count = 0;
+    __syncwarp(tile_.mask);
+  }
+  __device__ int agree(int number) const { return __shfl_sync(tile_.mask, number, 0); }
+
+ private:
+  static constexpr int kMost = 127;
+  struct List {
+    int count, body[kMost];
+  };
+  __device__ static List& listOfWarp() {
+    __shared__ List lists[kGridThreads / kWarp];
+    return lists[threadIdx.x / kWarp];
+  }
+  const Tile<kWarp>& tile_;
+  List& list_;
+};
+/// A warp for each body: searches differ much in length.
+struct FindUnpairedImpactsByWarp {
+  static constexpr const char* kStage = FindUnpairedImpacts::kStage;
+  static constexpr int kWidth = kWarp;
+  FindUnpairedImpacts search;
+  __device__ void operator()(const SolverData& s, int k, const Tile<kWidth>& tile) const {
+    search(s, k, tile.lane, kWidth, SweepsOfWarp(tile));
+  }
+};
+template <> struct OnGrid<FindUnpairedImpacts> {
+  FindUnpairedImpacts kernel;
+  __device__ void operator()(const SolverData& s, int n) const {
+    runStrided(s, FindUnpairedImpactsByWarp{kernel}, n, [](int k) { return k; });
+  }
+};
 
 /// One lane per neighbor, for worlds without shapes of several parts.
 template <int kTile> struct FindPairsByTile {

@@ -1,15 +1,13 @@
 #pragma once
 /// Launches the operations of a step that order, count and list elements.
-#include <thrust/iterator/counting_iterator.h>
-#include <thrust/iterator/transform_iterator.h>
 #include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_scan.cuh>
 
 #include <algorithm>
 #include <bit>
 
 #include "backend/cuda/kernel_launcher.cuh"
 #include "backend/cuda/long_list_kernels.cuh"
+#include "backend/cuda/scan_kernel.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -17,54 +15,58 @@ class ScanLauncher : protected KernelLauncher {
  protected:
   ScanLauncher(DeviceTables& tables, cudaStream_t stream) : KernelLauncher(tables, stream) {}
 
-  std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size(); }
+  std::size_t scratchBytes() const {
+    return scratch_.size() + sortedKeys_.size() + indices_.size() + cleared_.size();
+  }
+  void beginOperations(const EnqueueOptions& options = {}) {
+    KernelLauncher::beginOperations(options);
+    tiles_ = 0;
+  }
   /// Notes the sizes of all operations from now on.
-  void beginSizes() { scanned_ = grouped_ = 0; }
+  void beginSizes() { grouped_ = keyBits_ = 0; }
   /// Allocates scratch memory for operations of these sizes.
   void reserveSizes() {
-    std::size_t scanBytes = 0, sortBytes = 0;
-    exclusiveSum(nullptr, scanBytes, CountAt{}, nullptr, scanned_ + 1);
-    if (grouped_ > 0) sortPairs(nullptr, sortBytes, nullptr, nullptr, grouped_);
-    scratch_.reserve(std::max(scanBytes, sortBytes));
+    std::size_t sortBytes = 0;
+    if (grouped_ > 0) sortPairs(nullptr, sortBytes, nullptr, nullptr, grouped_, keyBits_);
+    scratch_.reserve(sortBytes);
     sortedKeys_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
     indices_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
+    reserveCleared(sizeof(ScanWord) * static_cast<std::size_t>(tiles_));
   }
 
   void clear(Array<int> SolverData::*array, int n) {
-    if (begins() && n > 0) launch(FillArray{view().*array, 0}, {n, nullptr}, n, "clear");
+    if (begins() && n > 0) clearNext(view().*array, nullptr, n);
   }
   void clear(Array<int> SolverData::*array, int Counters::*n) {
-    if (begins()) launch(FillArray{view().*array, 0}, {0, counter(n)}, capacityOf(n), "clear");
+    if (begins()) clearNext(view().*array, counter(n), capacityOf(n));
   }
 
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int n) {
-    scanTo({view().*counts, nullptr, n, n}, view().*offsets);
+    scanTo(countsAt(counts, n), view().*offsets);
   }
   /// Offsets beyond the last element also receive the total.
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, int Counters::*n) {
-    scanTo({view().*counts, counter(n), 0, capacityOf(n)}, view().*offsets);
+    scanTo(countsAt(counts, n), view().*offsets);
   }
   template <class N>
   void scan(Array<int> SolverData::*counts, Array<int> SolverData::*offsets, N n, int Counters::*total,
             Per per) {
-    const int limit = limitOf(n);
-    scan(counts, offsets, n);
     count(total, per);
-    if (!begun()) return;
-    launchNext(keepTotal, {1, 1}, "keepTotal", control_, view().*offsets, limit, counter(total),
-               roomFor(per));
+    scanTo(countsAt(counts, n), view().*offsets, [&] { return RoomCheck{counter(total), roomFor(per)}; });
   }
 
   /// A stable sort. Skipped keys come after the last valid one.
   void groupByKey(Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
                   Array<int> SolverData::*order, int Counters::*keyCount) {
-    grouped_ = std::max(grouped_, n);
+    // one more value than keys distinguishes them from -1
+    const int keyBits = std::bit_width(static_cast<unsigned>(capacityOf(keyCount)));
+    grouped_ = std::max(grouped_, n), keyBits_ = std::max(keyBits_, keyBits);
     if (!begins()) return;
     if (n > 0) {
       launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().nodes()}, {n, nullptr}, n,
              "indices");
       std::size_t bytes = scratch_.size();
-      sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n);
+      sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n, keyBits);
       afterKernel_ = false;
     }
     launch(FindFirst{reinterpret_cast<const int*>(sortedKeys_.data()), n, view().*offsets},
@@ -73,18 +75,15 @@ class ScanLauncher : protected KernelLauncher {
 
   void require(Per per, int Counters::*c) {
     count(c, per);
-    if (!begins()) return;
-    launchNext(requireRoom, {1, 1}, "requireRoom", control_, counter(c), roomFor(per));
+    if (begins()) checkNext({counter(c), roomFor(per)});
   }
 
   LongList listOf(const DeviceBuffer& list) const {
     int* const first = reinterpret_cast<int*>(list.data());
     return {first, first + 1};
   }
-  void startList(const DeviceBuffer& list, const char* stage) {
-    if (!begins()) return;
-    enterStage(stage);
-    launch(FillArray{listOf(list).count, 0}, {1, nullptr}, 1, "clear");
+  void startList(const DeviceBuffer& list) {
+    if (begins()) clearNext(listOf(list).count, nullptr, 1);
   }
   /// Reserves space for all elements that can have more than `parts` parts.
   static void reserveList(DeviceBuffer& list, int most, int parts) {
@@ -96,34 +95,40 @@ class ScanLauncher : protected KernelLauncher {
   int limitOf(int Counters::*n) const { return capacityOf(n); }
 
  private:
-  /// With null scratch memory it only computes the number of bytes needed.
-  void exclusiveSum(void* scratch, std::size_t& bytes, const CountAt& in, int* out, int n) const {
-    const auto counts = thrust::make_transform_iterator(thrust::make_counting_iterator(0), in);
-    checkCuda(cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, out, n, stream_), "scan");
+  CountAt countsAt(Array<int> SolverData::*counts, int n) const { return {view().*counts, nullptr, n, n}; }
+  CountAt countsAt(Array<int> SolverData::*counts, int Counters::*n) const {
+    return {view().*counts, counter(n), 0, capacityOf(n)};
   }
 
-  void sortPairs(void* scratch, std::size_t& bytes, const int* keys, int* order, int n) const {
-    // keys are fewer than n: these bits distinguish them from -1
-    const int bits = std::bit_width(static_cast<unsigned>(n));
+  static RoomCheck noTotal() { return {}; }
+  /// Each scan of a step has tiles of its own, for they are cleared once. Without a total it takes over the
+  /// check of room that precedes it.
+  template <class Total = RoomCheck (*)()>
+  void scanTo(const CountAt& in, int* offsets, const Total& total = noTotal) {
+    const int first = tiles_, count = scanTilesFor(in.limit);
+    tiles_ += count;
+    if (!begins()) return;
+    if (sizeof(Control) + sizeof(ScanWord) * static_cast<std::size_t>(tiles_) > clearedBytes_)
+      throw std::logic_error("CudaExecutor: a scan for which there is no scratch memory");
+    ScanWord* const tiles = reinterpret_cast<ScanWord*>(control_ + 1) + first;
+    RoomCheck check = total();
+    const bool stores = check.counter != nullptr;
+    if (!stores && clears_.count == 0) check = std::exchange(check_, {});
+    launchNext(scanCounts, {count, kScanThreads}, "scan", in, offsets, tiles, check, stores, control_);
+  }
+
+  void sortPairs(void* scratch, std::size_t& bytes, const int* keys, int* order, int n, int keyBits) const {
     checkCuda(cub::DeviceRadixSort::SortPairs(scratch, bytes, reinterpret_cast<const unsigned*>(keys),
                                               reinterpret_cast<unsigned*>(sortedKeys_.data()),
                                               reinterpret_cast<const int*>(indices_.data()), order, n, 0,
-                                              bits, stream_),
+                                              keyBits, stream_),
               "sort");
   }
 
-  void scanTo(const CountAt& in, int* offsets) {
-    scanned_ = std::max(scanned_, in.limit);
-    if (!begins()) return;
-    // one element more than counts: the total follows the last one
-    std::size_t bytes = scratch_.size();
-    exclusiveSum(scratch_.data(), bytes, in, offsets, in.limit + 1);
-    afterKernel_ = false;
-  }
-
   DeviceBuffer scratch_, sortedKeys_, indices_;
-  /// largest scan and largest groupByKey() of this step, in elements
-  int scanned_ = 0, grouped_ = 0;
+  int grouped_ = 0, keyBits_ = 0;  ///< of the largest groupByKey() of this step [elements, bits]
+  int tiles_ = 0;                  ///< of all scans of this step so far
+  static_assert(sizeof(Control) % alignof(ScanWord) == 0);
 };
 
 }  // namespace rubble::RUBBLE_CORE

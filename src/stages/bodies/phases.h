@@ -7,6 +7,8 @@
 
 namespace rubble::RUBBLE_CORE::bodies {
 
+template <Executor E> void clear(E& e) { e.clear(&SolverData::incidenceCount, e.view().bodies); }
+
 /// Inertial targets and initial guesses.
 template <Executor E> void predict(E& e) { e.forEach(PredictBodies{}, e.view().bodies); }
 
@@ -19,7 +21,6 @@ template <Executor E> void findIncidence(E& e) {
       e.beside(Kernel<JointBlocks<F>>{}, e.view().joints[typeIndex<F>(JointTypes{})]);
     });
   };
-  e.clear(&SolverData::incidenceCount, bodies);
   forEachBlock.template operator()<CountIncidences>();
   soft::countIncidences(e);
   e.scan(&SolverData::incidenceCount, &SolverData::incidenceOffset, bodies, &Counters::incidences,
@@ -34,7 +35,8 @@ template <Executor E> void color(E& e) {
   const int bodies = e.view().bodies;
   e.forEach(FindClashes{}, bodies);
   e.forEach(FindVertexClashes{}, e.view().vertices);
-  e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes, &Counters::rounds);
+  e.rounds({&Counters::clashes, &Counters::rounds}, phase(TakeColors{}, &Counters::clashing),
+           phase(ProposeColors{}, &Counters::clashing));
   e.require(Per::Color, &Counters::colors);
   e.clear(&SolverData::colorCount, &Counters::colors);
   e.forEach(CountColors{}, bodies);

@@ -10,8 +10,8 @@ template <Executor E> void find(E& e) {
   if (!e.view().bounces) return;
   e.forEach(StartBounces{}, e.view().bodies);
   e.forEach(FindBounces{}, &Counters::bounceRows);
-  e.rounds(ReachBounces{}, FindReach{}, &Counters::bounceRows, &Counters::bounceSpread,
-           &Counters::bounceSpreads);
+  e.rounds({&Counters::bounceSpread, &Counters::bounceSpreads}, phase(ReachBounces{}, &Counters::bounceRows),
+           phase(FindReach{}, &Counters::bounceRows));
 }
 
 /// After velocities are known: applies impulses.
@@ -20,12 +20,12 @@ template <Executor E> void act(E& e) {
   const int bodies = e.view().bodies;
   e.forEach(TakeBackBounces{}, bodies);
   e.forEach(CheckBounces{}, &Counters::bounceRows);
-  e.rounds(ReachSolved{}, FindSolved{}, &Counters::bounceRows, &Counters::bounceBound,
-           &Counters::bounceBounds);
+  e.rounds({&Counters::bounceBound, &Counters::bounceBounds}, phase(ReachSolved{}, &Counters::bounceRows),
+           phase(FindSolved{}, &Counters::bounceRows));
   e.forEach(RestoreSolved{}, bodies);
   e.forEach(ProposeBounces{}, &Counters::bounceRows);
-  e.rounds(ActBounces{}, ProposeBounces{}, &Counters::bounceRows, &Counters::bounceLeft,
-           &Counters::bounceRounds);
+  e.rounds({&Counters::bounceLeft, &Counters::bounceRounds}, phase(ActBounces{}, &Counters::bounceRows),
+           phase(ProposeBounces{}, &Counters::bounceRows));
   e.forEach(EndBounces{}, &Counters::bounceRows);
 }
 

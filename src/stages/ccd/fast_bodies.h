@@ -91,29 +91,33 @@ RUBBLE_HD inline int ccdOwner(const SolverData& s, int body) {
 }
 
 /// A stopped body may block others whose search assumed its full motion. The search is therefore repeated in
-/// up to this many rounds, for pairs whose motion has been shortened.
-inline constexpr int kCcdRounds = 4;
+/// up to this many rounds, for pairs whose motion has been shortened, while it finds impacts.
+inline constexpr int kCcdRounds = 3;
+
+/// A body has `bits` of its motion left, or more, when it meets something.
+RUBBLE_HD inline void raiseCcdShare(const SolverData& s, int body, int bits) {
+  atomicRaise(&s.ccdShareBits[body], bits);
+  if (atomicLoad(&s.counters->ccdImpacts) == 0) atomicRaise(&s.counters->ccdImpacts, 1);
+}
 
 /// Before a round: records how far fast bodies move according to the stops found so far. By fast body.
 struct BeginCcdRound {
   static constexpr const char* kStage = "ccd";
-  int round;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int i = s.fastBody[k];
     const int bits = s.ccdShareBits[i], owner = ccdOwner(s, i);
-    if (bits <= s.ccdSeenBits[owner]) return;
+    if (bits <= atomicLoad(&s.ccdSeenBits[owner])) return;
     atomicRaise(&s.ccdSeenBits[owner], bits);
-    s.ccdRound[owner] = round;
+    s.ccdRound[owner] = s.counters->ccdRounds + 1;
   }
 };
 
 /// Lists the bodies that have been stopped in a round. By fast body.
 struct ListStopped {
   static constexpr const char* kStage = "ccd";
-  int round;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int i = s.fastBody[k];
-    if (s.ccdRound[ccdOwner(s, i)] == round) listSearched(s, i);
+    if (s.ccdRound[ccdOwner(s, i)] == s.counters->ccdRounds) listSearched(s, i);
   }
 };
 
@@ -125,7 +129,8 @@ RUBBLE_HD inline SweptMotion motionIn(const SolverData& s, int body) {
 }
 
 /// Has the motion of a body of the pair changed since the last round?
-RUBBLE_HD inline bool needsSearch(const SolverData& s, const OrderedPair& o, int round) {
+RUBBLE_HD inline bool needsSearch(const SolverData& s, const OrderedPair& o) {
+  const int round = s.counters->ccdRounds;
   return round == 0 || s.ccdRound[ccdOwner(s, o.a)] == round || s.ccdRound[ccdOwner(s, o.b)] == round;
 }
 
@@ -173,29 +178,41 @@ RUBBLE_HD inline Real approach(const SolverData& s, const OrderedPair& o, const 
                            length(b.turn) * b.until * static_cast<double>(pb.radius - pb.shape.radius));
 }
 
-/// Do the bounding spheres of two bodies touch on their motions up to `limit`? Both move until the first of
-/// them stops, and then the other one alone. Their radii are larger by the gap at which an impact is found.
-RUBBLE_HD inline bool spheresMeet(const SolverData& s, int i, int j, const SweptMotion& a,
-                                  const SweptMotion& b, double limit = 1) {
+/// Half extents of a body on its motion, about its center.
+RUBBLE_HD inline Vec3 halfOfMotion(const SolverData& s, int i, const SweptMotion& m) {
+  const BodyParams& p = s.params[i];
+  const Real turn = static_cast<Real>(min(length(m.turn) * m.until, 1.0)) * p.radius;
+  return boundingHalf(p.shape, s.orientation[i]) + Vec3{turn, turn, turn};
+}
+/// Do the bounding spheres and boxes of two bodies touch on their motions up to `limit`? Both move until the
+/// first of them stops, and then the other one alone. They are larger by the gap at which an impact is found.
+RUBBLE_HD inline bool boundsMeet(const SolverData& s, int i, int j, const SweptMotion& a,
+                                 const SweptMotion& b, double limit = 1) {
   constexpr double kTouching = 2 * static_cast<double>(kImpactGap);
-  const double reach = static_cast<double>(s.params[i].radius + s.params[j].radius) * (1 + kTouching);
+  const double radii = static_cast<double>(s.params[i].radius + s.params[j].radius), gap = kTouching * radii,
+               reach = radii + gap;
   const auto between = [&](double t) {
     return s.position[j] - s.position[i] + b.move * min(t, b.until) - a.move * min(t, a.until);
   };
   const Vec3d corner[3] = {between(0), between(min(min(a.until, b.until), limit)), between(limit)};
-  for (int k = 0; k < 2; ++k) {
-    const Vec3d& from = corner[k];
-    const Vec3d way = corner[k + 1] - from;
+  const auto spheresMeet = [&](const Vec3d& from, const Vec3d& way) {
     const double size2 = dot(way, way), t = size2 > 0 ? clamp(-dot(from, way) / size2, 0.0, 1.0) : 0.0;
-    if (lengthSquared(from + way * t) <= reach * reach) return true;
-  }
+    return lengthSquared(from + way * t) <= reach * reach;
+  };
+  const auto boxesMeet = [&](const Vec3d& from, const Vec3d& way) {
+    const Vec3d half = Vec3d(halfOfMotion(s, i, a) + halfOfMotion(s, j, b)) + Vec3d{gap, gap, gap};
+    return passes(from, inverseOf(way), half, 1);
+  };
+  for (int k = 0; k < 2; ++k)
+    if (const Vec3d way = corner[k + 1] - corner[k]; spheresMeet(corner[k], way) && boxesMeet(corner[k], way))
+      return true;
   return false;
 }
-/// The same for any shape: planes have no bounding sphere.
+/// The same for any shape: planes have no bounds.
 RUBBLE_HD inline bool mayMeet(const SolverData& s, int i, int j, const SweptMotion& a, const SweptMotion& b,
                               double limit = 1) {
   const auto isPlane = [&](int body) { return s.params[body].shape.kind == ShapeKind::Plane; };
-  return isPlane(i) || isPlane(j) || spheresMeet(s, i, j, a, b, limit);
+  return isPlane(i) || isPlane(j) || boundsMeet(s, i, j, a, b, limit);
 }
 
 RUBBLE_HD inline bool bothDynamic(const SolverData& s, const OrderedPair& o) {
@@ -216,18 +233,17 @@ RUBBLE_HD inline void recordImpact(const SolverData& s, int i, const OrderedPair
   if (s.oneWay && !hasRows(manifoldOf(s, i)) && !stopsOneWay(s, o, partsOf(s, s.pair[i], o), n)) return;
   const int bits = floatBits(static_cast<Real>(1 - fraction));
   s.toiBits[i] = max(s.toiBits[i], bits);
-  if (stopsAtImpact(s, o.a, o.b)) atomicRaise(&s.ccdShareBits[o.a], bits);
-  if (stopsAtImpact(s, o.b, o.a)) atomicRaise(&s.ccdShareBits[o.b], bits);
+  if (stopsAtImpact(s, o.a, o.b)) raiseCcdShare(s, o.a, bits);
+  if (stopsAtImpact(s, o.b, o.a)) raiseCcdShare(s, o.b, bits);
 }
 
 /// Times of impact of pairs of primitive shapes; stores the remaining fraction of the motion.
 struct FindImpacts {
   static constexpr const char* kStage = "ccd";
-  int round;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (round == 0) s.toiBits[i] = 0;
+    if (s.counters->ccdRounds == 0) s.toiBits[i] = 0;
     const OrderedPair o = ordered(s.pair[i]);
-    if (!isPrimitivePair(s, o.a, o.b) || !mayImpact(s, o) || !needsSearch(s, o, round)) return;
+    if (!isPrimitivePair(s, o.a, o.b) || !mayImpact(s, o) || !needsSearch(s, o)) return;
     const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
     const SweptMotion motionA = motionIn(s, o.a), motionB = motionIn(s, o.b);
     const Real thin = thinner(innerRadius(pa.shape), innerRadius(pb.shape));

@@ -46,11 +46,11 @@ RUBBLE_HD RowFacings rowFacings(const SolverData& s, int pair, bool surfaceOnA, 
 /// surface processes all of their slots.
 struct FindGeneralImpacts {
   static constexpr const char* kStage = "ccd";
-  int round;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (!s.generalShapes) return;
     const Pair p = s.pair[i];
     const OrderedPair o = ordered(p);
-    if (isPrimitivePair(s, o.a, o.b) || !mayImpact(s, o) || !needsSearch(s, o, round)) return;
+    if (isPrimitivePair(s, o.a, o.b) || !mayImpact(s, o) || !needsSearch(s, o)) return;
     const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
     const bool surface = isSurface(shapeA.kind) || isSurface(shapeB.kind);
     if (surface && p.second != 0) return;

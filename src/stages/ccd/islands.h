@@ -24,7 +24,7 @@ template <class F> struct JoinCcdIslands {
   }
 };
 /// Value of ccdRound, in place of a round: the body is one of those that stop its CCD island.
-inline constexpr int kOwnImpact = kCcdRounds;
+inline constexpr int kOwnImpact = kCcdRounds + 1;
 
 /// Passes the earliest stop to the root.
 struct RaiseIslandShares {

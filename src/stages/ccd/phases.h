@@ -16,22 +16,17 @@ template <Executor E> void stop(E& e) {
     e.forEach(StartCcdIslands{}, s.bodies);
     forEachJoint<JoinCcdIslands>(e);
   }
-  for (int round = 0; round < kCcdRounds; ++round) {
-    if (round > 0) {
-      e.forEach(BeginCcdRound{round}, &Counters::fastBodies);
-      e.forEach(ListStopped{round}, &Counters::fastBodies);
-    }
-    e.forEach(FindImpacts{round}, &Counters::swept);
-    if (s.generalShapes) e.forEach(FindGeneralImpacts{round}, &Counters::swept);
-    e.beside(FindUnpairedImpacts{round}, &Counters::searchedBodies);
-  }
-  if (joints) {
-    e.forEach(RaiseIslandShares{}, s.bodies);
-    e.forEach(StopCcdIslands{}, s.bodies);
-  }
-  e.forEach(ChooseCcdPairs{}, &Counters::swept);
-  e.forEach(StopBodies{}, &Counters::swept);
-  e.forEach(StopUnpairedBodies{}, s.bodies);
+  e.forEach(FindImpacts{}, &Counters::swept);
+  if (s.generalShapes) e.forEach(FindGeneralImpacts{}, &Counters::swept);
+  e.beside(FindUnpairedImpacts{}, &Counters::searchedBodies);
+  e.rounds(
+      {&Counters::ccdImpacts, &Counters::ccdRounds, kCcdRounds},
+      phase(BeginCcdRound{}, &Counters::fastBodies), phase(ListStopped{}, &Counters::fastBodies),
+      phase(FindImpacts{}, &Counters::swept), phase<When::Beside>(FindGeneralImpacts{}, &Counters::swept),
+      phase<When::Beside>(FindUnpairedImpacts{}, &Counters::searchedBodies),
+      phase<When::AtEnd>(RaiseIslandShares{}, s.bodies), phase<When::AtEnd>(StopCcdIslands{}, s.bodies),
+      phase<When::AtEnd>(ChooseCcdPairs{}, &Counters::swept),
+      phase<When::AtEnd>(StopBodies{}, &Counters::swept), phase<When::AtEnd>(StopUnpairedBodies{}, s.bodies));
 }
 
 }  // namespace rubble::RUBBLE_CORE::ccd

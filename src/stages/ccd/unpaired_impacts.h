@@ -63,19 +63,28 @@ RUBBLE_HD inline Vec3d normalOf(const PlacedAny& part, const PlacedAny& other, c
   return isSurface(other.shape.kind) && part.shape.kind != ShapeKind::Distance ? -at.at.n : at.at.n;
 }
 
+/// Sweeps a body against those that its search finds: each at once, by the worker that finds it.
+struct SweepAtOnce {
+  template <class Sweep> RUBBLE_HD void add(int other, Sweep&& sweep) const { sweep(other); }
+  /// Sweeps that are left.
+  template <class Sweep> RUBBLE_HD void finish(Sweep&&) const {}
+  /// A number of which workers may have read different values, the same for all.
+  RUBBLE_HD int agree(int number) const { return number; }
+};
+
 /// By searched body: in the first round they search their way, in later ones those that have been stopped
 /// search where they stand.
 struct FindUnpairedImpacts {
   static constexpr const char* kStage = "ccd";
-  int round;
-  RUBBLE_HD void operator()(const SolverData& s, int k) const { (*this)(s, k, 0, 1); }
+  RUBBLE_HD void operator()(const SolverData& s, int k) const { (*this)(s, k, 0, 1, SweepAtOnce{}); }
   /// Share of worker `lane` of `lanes`.
-  RUBBLE_HD void operator()(const SolverData& s, int k, int lane, int lanes) const {
-    const int i = s.searchedBody[k];
+  template <class Sweeps>
+  RUBBLE_HD void operator()(const SolverData& s, int k, int lane, int lanes, const Sweeps& sweeps) const {
+    const int i = s.searchedBody[k], round = s.counters->ccdRounds;
     if (round == 0)
-      searchWayToStop(s, i, lane, lanes);
+      searchWayToStop(s, i, lane, lanes, sweeps);
     else if (s.ccdRound[ccdOwner(s, i)] == round)
-      searchPlace(s, i, lane, lanes);
+      searchPlace(s, i, lane, lanes, sweeps);
   }
 
  private:
@@ -90,54 +99,63 @@ struct FindUnpairedImpacts {
   /// Searches ever longer parts of the way of a body until one ends after it stops. Neighbors stop most
   /// bodies of a crowd at once, and what lies beyond does not matter. Only the body itself stops: those that
   /// it has met find it where it stands in the next round, however far other workers have searched.
-  RUBBLE_HD void searchWayToStop(const SolverData& s, int i, int lane, int lanes) const {
+  template <class Sweeps>
+  RUBBLE_HD void searchWayToStop(const SolverData& s, int i, int lane, int lanes,
+                                 const Sweeps& sweeps) const {
     const SweptMotion motion = motionIn(s, i);
     const Real way = length(s.dx[i].dp), first = kFirstPart * s.params[i].radius;
+    const auto sweep = [&](int other) {
+      const double fraction = timeOfImpactWithBody(s, i, motion, other);
+      if (fraction <= 1) raiseCcdShare(s, i, shareBits(fraction));
+    };
     for (Real end = way > first ? max(first / way, kLeastPart) : Real(1);; end *= kNextPart) {
-      const Real stop = min(Real(1), Real(1) - fromFloatBits(atomicLoad(&s.ccdShareBits[i])) + kSameTime),
-                 until = min(end, stop);
+      const Real share = fromFloatBits(sweeps.agree(atomicLoad(&s.ccdShareBits[i]))),
+                 stop = min(Real(1), Real(1) - share + kSameTime), until = min(end, stop);
       searchWay(
           s, i, boundsOfMotion(s, i, 0, until),
           [&](int other) {
-            const double fraction = impactWith(s, i, motion, other, static_cast<double>(until));
-            if (fraction <= 1) atomicRaise(&s.ccdShareBits[i], shareBits(fraction));
+            if (mayStop(s, i, motion, other, static_cast<double>(until))) sweeps.add(other, sweep);
           },
           lane, lanes);
+      sweeps.finish(sweep);
       if (end >= stop) return;
     }
   }
   /// A stopped body waits where it stands for those whose way it then blocks.
-  RUBBLE_HD void searchPlace(const SolverData& s, int i, int lane, int lanes) const {
+  template <class Sweeps>
+  RUBBLE_HD void searchPlace(const SolverData& s, int i, int lane, int lanes, const Sweeps& sweeps) const {
     const SweptMotion motion = motionIn(s, i);
     const Real end = static_cast<Real>(motion.until);
+    const auto sweep = [&](int other) {
+      const double fraction = timeOfImpactWithBody(s, i, motion, other);
+      if (!(fraction <= 1)) return;
+      const int bits = shareBits(fraction);
+      raiseCcdShare(s, i, bits);
+      if (stopsAtImpact(s, other, i)) raiseCcdShare(s, other, bits);
+    };
     searchWay(
         s, i, boundsOfMotion(s, i, end, end),
         [&](int other) {
-          const double fraction = impactWith(s, i, motion, other, 1);
-          if (!(fraction <= 1)) return;
-          const int bits = shareBits(fraction);
-          atomicRaise(&s.ccdShareBits[i], bits);
-          if (stopsAtImpact(s, other, i)) atomicRaise(&s.ccdShareBits[other], bits);
+          if (mayStop(s, i, motion, other, 1)) sweeps.add(other, sweep);
         },
         lane, lanes);
+    sweeps.finish(sweep);
   }
 
   /// The share of the motion after a fraction of it, as ccdShareBits stores it.
   RUBBLE_HD static int shareBits(double fraction) { return floatBits(static_cast<Real>(1 - fraction)); }
 
-  /// Fraction of its motion after which body i meets a body with which it has no pair. `limit`: later impacts
-  /// may be left out.
-  RUBBLE_HD static double impactWith(const SolverData& s, int i, const SweptMotion& motion, int other,
-                                     double limit) {
-    if (other == i || !mayMeet(s, i, other, motion, motionIn(s, other), limit)) return kNoImpact;
-    if (isSensor(s, other) || !mayCollide(s, i, other)) return kNoImpact;
+  /// May body i meet a body with which it has no pair? `limit`: later impacts may be left out.
+  RUBBLE_HD static bool mayStop(const SolverData& s, int i, const SweptMotion& motion, int other,
+                                double limit) {
+    if (other == i || !mayMeet(s, i, other, motion, motionIn(s, other), limit)) return false;
+    if (isSensor(s, other) || !mayCollide(s, i, other)) return false;
     // primitive partners have a pair; parts of others may be too far apart for one
-    if (isPrimitivePair(s, i, other) && arePartners(s, i, other)) return kNoImpact;
-    return timeOfImpactWithBody(s, i, motion, other);
+    return !isPrimitivePair(s, i, other) || !arePartners(s, i, other);
   }
   /// Fraction of its motion after which body i meets `other`.
-  RUBBLE_HD static double timeOfImpactWithBody(const SolverData& s, int i, const SweptMotion& motion,
-                                               int other) {
+  RUBBLE_HD RUBBLE_OUT_OF_LINE static double timeOfImpactWithBody(const SolverData& s, int i,
+                                                                  const SweptMotion& motion, int other) {
     const ShapeData &own = s.params[i].shape, &its = s.params[other].shape;
     const bool surface = isSurface(own.kind) || isSurface(its.kind);
     const int ownParts = parts::count(s, own), itsParts = parts::count(s, its);

@@ -14,13 +14,17 @@ void forEachSoftBlock(E& e, Args... args) {
   e.forEach(Kernel<AttachmentBlocks>{args...}, e.view().attachments);
 }
 
+template <Executor E> void clear(E& e) {
+  const SolverData& s = e.view();
+  if (s.plan.coarseCorrection) e.clear(&SolverData::nodeCount, s.nodes() * kCoarseLevels);
+}
+
 /// Finds the aggregates from the poses at x^t.
 template <Executor E> void findAggregates(E& e) {
   const SolverData& s = e.view();
   if (!s.plan.coarseCorrection) return;
   const int nodes = s.nodes(), all = nodes * kCoarseLevels;
   const bool softNodes = s.softNodes > 0;
-  e.clear(&SolverData::nodeCount, all);
   e.forEach(StartAggregates{}, nodes);
   if (softNodes) forEachSoftBlock<FindJoinLevels>(e);
   for (int level = 0; level < kCoarseLevels; ++level) {

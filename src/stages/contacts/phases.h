@@ -9,11 +9,12 @@
 
 namespace rubble::RUBBLE_CORE::contacts {
 
+template <Executor E> void clear(E& e) { e.clear(&SolverData::impactSpeedBound, e.view().bodies); }
+
 /// Builds manifolds and rows at x^t.
 template <Executor E> void prepare(E& e) {
   using L = typename E::Lane;
   const SolverData& s = e.view();
-  e.clear(&SolverData::impactSpeedBound, s.bodies);
   e.forEach(FindImpactSpeedBounds{}, &Counters::pairs);
   e.forEach(FindActivePairs{}, &Counters::pairs);
   e.forEach(TestNewPairs{}, &Counters::newPairs);

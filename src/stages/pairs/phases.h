@@ -13,16 +13,19 @@ template <template <bool> class Kernel, Executor E> void forEachOwner(E& e) {
     e.forEach(Kernel<false>{}, e.view().bodies);
 }
 
+template <Executor E> void clear(E& e) {
+  e.clear(&SolverData::bucketCount, e.view().cells);
+  e.clear(&SolverData::pairCount, e.view().bodies);
+}
+
 template <Executor E> void find(E& e) {
   const int bodies = e.view().bodies, cells = e.view().cells;
-  e.clear(&SolverData::bucketCount, cells);
   e.forEach(ComputeBounds{}, bodies);
-  e.scan(&SolverData::bucketCount, &SolverData::bucketOffset, cells);
   e.require(Per::PathCell, &Counters::pathCells);
+  e.scan(&SolverData::bucketCount, &SolverData::bucketOffset, cells);
   e.forEach(ClearCellPaths{}, &Counters::pathCells);
   e.forEach(FillGrid{}, bodies);
   e.forEach(LinkSubcells{}, &Counters::pathCells);
-  e.clear(&SolverData::pairCount, bodies);
   e.forEach(FindNeighbors{}, bodies);
   e.beside(FindPathNeighbors{}, &Counters::pathCells);
   forEachOwner<FindPairs>(e);

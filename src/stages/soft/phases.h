@@ -129,8 +129,8 @@ template <Executor E> void keepApart(E& e) {
   e.scan(&SolverData::nearCount, &SolverData::nearOffset, owners, &Counters::nearFeatures, Per::NearFeature);
   e.forEach(WriteNear{}, owners);
   e.forEach(CountCrossings{}, &Counters::nearFeatures);
-  e.rounds(TakeWays{}, ProposeWays{}, &Counters::crossingWork, &Counters::crossings,
-           &Counters::crossingRounds);
+  e.rounds({&Counters::crossings, &Counters::crossingRounds}, phase(TakeWays{}, &Counters::crossingWork),
+           phase(ProposeWays{}, &Counters::crossingWork));
 }
 
 /// Stores multipliers of contacts and attachments; plastic flow and breakage.

@@ -12,12 +12,15 @@ inline int nodesOf(const SolverData& s) { return s.plan.jointTrees ? s.treeNodes
 inline int nodesAt(const SolverData& s, int level) { return s.levelBegin[level + 1] - s.levelBegin[level]; }
 inline int largeNodes(const SolverData& s) { return s.levelBegin[kTreeLevels]; }
 
+template <Executor E> void clear(E& e) {
+  const int nodes = nodesOf(e.view());
+  e.clear(&SolverData::treeContacts, nodes);
+  e.clear(&SolverData::treeNeedsProjection, nodes);
+}
+
 /// Finds the trees that touch other bodies.
 template <Executor E> void prepare(E& e) {
-  const int nodes = nodesOf(e.view());
-  if (nodes == 0) return;
-  e.clear(&SolverData::treeContacts, nodes);
-  e.forEach(MarkTouchedTrees{}, &Counters::manifolds);
+  if (nodesOf(e.view()) > 0) e.forEach(MarkTouchedTrees{}, &Counters::manifolds);
 }
 
 /// Finds the trees that touch deformable objects, once incidence lists exist.
@@ -60,7 +63,6 @@ template <Executor E> void finish(E& e) {
   const SolverData& s = e.view();
   const int nodes = nodesOf(s);
   if (nodes == 0) return;
-  e.clear(&SolverData::treeNeedsProjection, nodes);
   forEachJoint<FindTreesToProject>(e);
   e.forEach(ProjectTree{}, s.smallTrees);
   e.forEach(InLevel<AssembleLinks>{0}, largeNodes(s));
