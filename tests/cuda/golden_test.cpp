@@ -3,7 +3,8 @@
 // the new row.
 #include <cuda_runtime_api.h>
 
-#include "scenes/registry.h"
+#include <algorithm>
+
 #include "tests/cuda/cuda_scenes.h"
 #include "tests/support/golden.h"
 
@@ -14,6 +15,11 @@ namespace {
 /// and sums in other ways.
 constexpr int kCapability = 90, kToolkit = 13000;
 
+bool isStrict() {
+  return std::ranges::any_of(buildInfo().features,
+                             [](const std::string& f) { return f.find("strict") != std::string::npos; });
+}
+
 class CudaGolden : public CudaTest, public testing::WithParamInterface<Golden> {};
 
 TEST_P(CudaGolden, HashIsTheRecordedOne) {
@@ -23,8 +29,7 @@ TEST_P(CudaGolden, HashIsTheRecordedOne) {
   cudaDeviceGetAttribute(&minor, cudaDevAttrComputeCapabilityMinor, device);
   if (10 * major + minor != kCapability || CUDART_VERSION != kToolkit)
     GTEST_SKIP() << "recorded with another device or toolkit";
-  for (const std::string& feature : buildInfo().features)
-    if (feature.find("strict") != std::string::npos) GTEST_SKIP() << "recorded with another build";
+  if (isStrict()) GTEST_SKIP() << "recorded with another build";
   const Golden& golden = GetParam();
   const scenes::Spec& spec = scenes::find(golden.scene);
   World world(spec.build(scenes::resolve(spec, spec.testArguments)), optionsFor("cuda"));
@@ -37,6 +42,18 @@ TEST_P(CudaGolden, HashIsTheRecordedOne) {
 INSTANTIATE_TEST_SUITE_P(Scenes, CudaGolden,
                          testing::ValuesIn(goldens("cuda-" + std::to_string(kCapability) + "-" +
                                                    std::to_string(kToolkit))),
+                         [](const auto& info) { return info.param.name(); });
+
+/// A strict build has the hashes of the CPU.
+class CudaStrictGolden : public CudaTest, public testing::WithParamInterface<Golden> {};
+
+TEST_P(CudaStrictGolden, HashIsThatOfTheCpu) {
+  if (!isStrict()) GTEST_SKIP() << "not a strict build";
+  const std::uint64_t hash = hashOf(GetParam(), optionsFor("cuda"));
+  EXPECT_EQ(hash, GetParam().hash) << rowOf(GetParam(), hash);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, CudaStrictGolden, testing::ValuesIn(goldens("cpu")),
                          [](const auto& info) { return info.param.name(); });
 
 }  // namespace

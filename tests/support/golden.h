@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/registry.h"
+
 namespace rubble::test {
 
 /// A run whose hash is recorded: a scene of the registry at the size of its tests.
@@ -41,6 +43,21 @@ inline std::vector<Golden> goldens(const std::string& platform, int steps = 0) {
     if (row.platform == platform && (steps == 0 || row.steps == steps)) out.push_back(row);
   }
   return out;
+}
+
+/// The hash that a run has with these options.
+inline std::uint64_t hashOf(const Golden& golden, WorldOptions options) {
+  const scenes::Spec& spec = scenes::find(golden.scene);
+  scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, spec.testArguments));
+  job.probes.clear();
+  options.timings = false;
+  options.params.iterations = job.iterations, options.params.substeps = job.substeps;
+  scenes::Runner runner(std::move(job), options);
+  for (int step = 0; step < golden.steps; ++step) {
+    if (golden.sorts && step == golden.steps / 2) runner.world().sortBodies();
+    runner.step();
+  }
+  return runner.world().hash();
 }
 
 /// A row with the hash that was found, as the table has it.
