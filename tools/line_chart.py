@@ -12,8 +12,9 @@ class Line:
     no dots.
     """
 
-    def __init__(self, points, color, label=None, dash=None):
+    def __init__(self, points, color, label=None, dash=None, dots=True):
         self.points, self.color, self.label, self.dash = dict(sorted(points.items())), color, label, dash
+        self.dots = dots and not dash
 
 
 def _labels(lines, y):
@@ -63,7 +64,7 @@ def chart(lines, x_ticks, y_ticks, y_range, x_label, y_label, *, log_x=True, log
         points = " ".join(f"{x(a):.1f},{y(b):.1f}" for a, b in line.points.items())
         style = f'stroke-dasharray="{line.dash}" stroke-opacity="0.7"' if line.dash else 'stroke-width="2.2"'
         out.append(f'<polyline points="{points}" fill="none" stroke="{line.color}" {style}/>')
-        if not line.dash:
+        if line.dots:
             out += [f'<circle cx="{x(a):.1f}" cy="{y(b):.1f}" r="3.5" fill="{line.color}"/>'
                     for a, b in line.points.items()]
         if line.label:

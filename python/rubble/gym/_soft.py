@@ -13,7 +13,9 @@ _SHOULDER, _LENGTH = 0.3, 0.35  # height of the shoulder, length of each half of
 _WRIST = 0.05  # over the hand [m]
 _PLACE = np.array((0.4, 0, 0.3))  # of the hand at the start [m]
 _BLOCK, _CELLS = np.array((0.06, 0.06, 0.075)), (4, 4, 5)  # [m]; 6 tetrahedra in each cell
-_MATERIAL = {"density": 500, "youngs_modulus": 5e4, "poisson_ratio": 0.4, "material": {"friction": 1.0}}
+#: The only deformable object of a world: its surface meets bodies alone.
+_MATERIAL = {"density": 500, "youngs_modulus": 5e4, "poisson_ratio": 0.4, "material": {"friction": 1.0},
+             "collide_surface": False}
 _DRIVE = {"drive_stiffness": 1500, "drive_damping": 60, "max_drive_force": 80}
 
 
@@ -50,6 +52,15 @@ def _scene() -> Scene:
     return out
 
 
+def _mean(vertices: Any) -> Any:
+    """(n, 3) of vertices (n, m, 3), of numpy or of torch."""
+    return vertices.mean(1)
+
+
+def _extent(vertices: Any) -> Any:
+    return np.ptp(vertices, 1) if isinstance(vertices, np.ndarray) else vertices.amax(1) - vertices.amin(1)
+
+
 class LiftSoft(HandEnv):
     """Grasp a soft block of 480 tetrahedra and 0.135 kg that lies at a random place, and lift it to 0.2 m.
 
@@ -72,10 +83,9 @@ class LiftSoft(HandEnv):
     def _observe(self) -> np.ndarray:
         angles, speeds = self.joints("position")[:, :5], self.joints("speed")[:, :5]
         grip = self.joints("drive_force")[:, 4:] / 10
-        hand, block = self.states("position", "hand"), self.vertices("block")
-        center = block.mean(axis=1)
-        width = np.ptp(block[..., :2], axis=1)
-        moves = self.vertices("block", "velocities").mean(axis=1)
+        hand = self.states("position", "hand")
+        center, width = self.vertices("block", of=_mean), self.vertices("block", of=_extent)[:, :2]
+        moves = self.vertices("block", "velocities", _mean)
         return np.concatenate([angles[:, :4], speeds[:, :4], angles[:, 4:], speeds[:, 4:], grip, hand,
                                center - hand, moves, width], axis=1)
 

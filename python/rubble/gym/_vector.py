@@ -1,7 +1,7 @@
 """The base of all environments."""
 from __future__ import annotations
 
-from typing import Any, Optional, Sequence
+from typing import Any, Callable, Optional, Sequence
 
 import numpy as np
 from gymnasium import spaces
@@ -101,12 +101,18 @@ class WorldsEnv(VectorEnv):
         array = on_host(self.worlds.sensor_array(name))
         return array.reshape(self.num_envs, self._body_count, array.shape[1])[:, self.bodies[body]]
 
-    def vertices(self, name: str, what: str = "positions") -> np.ndarray:
-        """Positions [m] or "velocities" [m/s] of a deformable object: (num_envs, vertices, 3)."""
+    def vertices(self, name: str, what: str = "positions", of: Optional[Callable] = None) -> np.ndarray:
+        """Positions [m] or "velocities" [m/s] of a deformable object: (num_envs, vertices, 3), or ``of(them)``
+        in their place. With the backend "cuda" it is called with a tensor of torch on the device, so that only
+        its result goes to the host."""
         block = self.worlds[0].deformables[name]
-        array = on_host(self.worlds.vertex_array({"positions": "position", "velocities": "velocity"}[what]))
-        first = block.first_vertex
-        return array.reshape(self.num_envs, -1, 3)[:, first:first + len(block)]
+        array = self.worlds.vertex_array({"positions": "position", "velocities": "velocity"}[what])
+        rows = slice(block.first_vertex, block.first_vertex + len(block))
+
+        def chosen(all: Any) -> Any:
+            own = all.reshape(self.num_envs, -1, 3)[:, rows]
+            return own if of is None else of(own)
+        return on_host(array, chosen)
 
     def joints(self, name: str) -> np.ndarray:
         """`rubble.Worlds.joint_array` as (num_envs, axes)."""
@@ -188,12 +194,12 @@ class WorldsEnv(VectorEnv):
         self._start(worlds)
 
 
-def on_host(array: Any) -> np.ndarray:
-    """An array of `rubble.Worlds` in host memory. Device arrays are copied by torch."""
+def on_host(array: Any, of: Callable = lambda array: array) -> np.ndarray:
+    """``of(array)`` of an array of `rubble.Worlds`, in host memory. Device arrays are tensors of torch for it."""
     if isinstance(array, np.ndarray):
-        return array
+        return of(array)
     import torch
-    return torch.as_tensor(array, device="cuda").cpu().numpy()
+    return of(torch.as_tensor(array, device="cuda")).cpu().numpy()
 
 
 def box(size: int, low: float = -np.inf, high: float = np.inf) -> spaces.Box:
