@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <new>
 
 #if defined(RUBBLE_HAS_ZSTD)
 #include <zstd.h>
@@ -12,6 +13,7 @@
 
 #include "io/byte_stream.h"
 #include "io/crc32.h"
+#include "platform/threads.h"
 
 namespace rubble::io {
 namespace {
@@ -28,16 +30,12 @@ constexpr std::uint32_t kLargestContent = 1u << 30;
 /// Fast enough to keep up with a run; higher levels gain little on trajectories.
 constexpr int kLevel = 3;
 
-Codec compress(const Bytes& content, Bytes& stored) {
-  stored.resize(ZSTD_compressBound(content.size()));
-  const std::size_t size = ZSTD_compress(stored.data(), stored.size(), content.data(), content.size(),
-                                         kLevel);
-  if (ZSTD_isError(size) || size >= content.size()) {
-    stored = content;
-    return Codec::None;
-  }
-  stored.resize(size);
-  return Codec::Zstd;
+/// Writes a piece to memory of at least ZSTD_compressBound() bytes; returns its size.
+std::size_t compress(const std::uint8_t* piece, std::size_t size, std::uint8_t* to, std::size_t room) {
+  const std::size_t stored = ZSTD_compress(to, room, piece, size, kLevel);
+  // with so much room there is no other reason
+  if (ZSTD_isError(stored)) throw std::bad_alloc();
+  return stored;
 }
 
 /// An explanation of what is wrong, or "".
@@ -47,17 +45,32 @@ std::string decompress(const Bytes& stored, Bytes& content) {
   return size == content.size() ? "" : std::to_string(size) + " bytes";
 }
 #else
-Codec compress(const Bytes& content, Bytes& stored) {
-  stored = content;
-  return Codec::None;
-}
-
 std::string decompress(const Bytes&, Bytes&) {
   return "a compressed chunk, which this build (without zstd) cannot read";
 }
 #endif
 
 }  // namespace
+
+#if defined(RUBBLE_HAS_ZSTD)
+Bytes packPieces(const Bytes& content, std::size_t begin, std::size_t end) {
+  const std::size_t room = ZSTD_compressBound(kPieceBytes);
+  Bytes packed((end - begin) * room);
+  std::vector<std::size_t> sizes(end - begin);
+  forEachTask(end - begin, [&](std::size_t k) {
+    const std::size_t at = (begin + k) * kPieceBytes;
+    sizes[k] = compress(content.data() + at, std::min(kPieceBytes, content.size() - at),
+                        packed.data() + k * room, room);
+  });
+  std::size_t to = 0;
+  for (std::size_t k = 0; k < sizes.size(); to += sizes[k++])
+    std::memmove(packed.data() + to, packed.data() + k * room, sizes[k]);
+  packed.resize(to);
+  return packed;
+}
+#else
+Bytes packPieces(const Bytes&, std::size_t, std::size_t) { return {}; }
+#endif
 
 ChunkWriter::ChunkWriter(const std::string& file)
     : file_(file), lock_(file), out_(file, std::ios::binary | std::ios::trunc) {
@@ -74,11 +87,12 @@ void ChunkWriter::writeRaw(const Bytes& bytes) {
   offset_ += bytes.size();
 }
 
-std::uint64_t ChunkWriter::write(std::uint32_t name, const Bytes& content) {
+std::uint64_t ChunkWriter::write(std::uint32_t name, const Bytes& content, const Bytes& packed) {
   if (content.size() > kLargestContent)
     throw Error(file_, "chunks of at most 1 GiB", std::to_string(content.size()) + " bytes");
-  Bytes stored;
-  const Codec codec = compress(content, stored);
+  const bool packs = mayStore(content.size(), packed);
+  const Codec codec = packs ? Codec::Zstd : Codec::None;
+  const Bytes& stored = packs ? packed : content;
   ByteWriter head;
   head.put(name);
   head.put(static_cast<std::uint32_t>(codec));

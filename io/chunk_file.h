@@ -25,6 +25,15 @@ struct Chunk {
   Bytes content;  ///< decompressed
 };
 
+/// The content of a chunk is compressed in pieces of this size, each for itself, so that several threads or
+/// processes may do it. What is stored is one piece after the other.
+inline constexpr std::size_t kPieceBytes = 1u << 20;
+constexpr std::size_t piecesOf(std::size_t contentSize) {
+  return (contentSize + kPieceBytes - 1) / kPieceBytes;
+}
+/// Compresses pieces `begin` to `end` - 1 of a content, on the threads of the caller. Without zstd: nothing.
+Bytes packPieces(const Bytes& content, std::size_t begin, std::size_t end);
+
 /// Appends chunks. Each write reaches the file at once and survives a crash. Every call throws
 /// Error if the file cannot be written; one that another ChunkWriter writes cannot be.
 class ChunkWriter {
@@ -32,7 +41,15 @@ class ChunkWriter {
   explicit ChunkWriter(const std::string& file);
 
   /// Compresses and writes a chunk through to the system; returns its offset.
-  std::uint64_t write(std::uint32_t name, const Bytes& content);
+  std::uint64_t write(std::uint32_t name, const Bytes& content) {
+    return write(name, content, packPieces(content, 0, piecesOf(content.size())));
+  }
+  /// The same of a content whose pieces have been packed. Where mayStore(content.size(), packed) the content
+  /// itself does not matter.
+  std::uint64_t write(std::uint32_t name, const Bytes& content, const Bytes& packed);
+  static bool mayStore(std::size_t contentSize, const Bytes& packed) {
+    return !packed.empty() && packed.size() < contentSize;
+  }
   /// Writes bytes as they are.
   void writeRaw(const Bytes& bytes);
 

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "cook/size.h"
 #include "io/byte_stream.h"
+#include "platform/threads.h"
 
 namespace rubble::io {
 namespace {
@@ -16,6 +16,7 @@ namespace {
 /// three. The words of all bodies and vertices come one kind after the other: x, y, z of bodies, then of
 /// vertices, then quaternions.
 constexpr std::size_t kPlaceWords = 3, kTurnWords = 2;
+constexpr std::size_t kBytesOfCounts = 12, kBytesOfTime = 16, kBytesOfOrigin = 24, kBytesOfWord = 4;
 std::size_t wordCountOf(std::size_t bodies, std::size_t vertices) {
   return kPlaceWords * (bodies + vertices) + kTurnWords * bodies;
 }
@@ -34,13 +35,6 @@ std::int32_t unzigzag(std::uint32_t value) {
 
 /// Component of a quaternion: s, x, y, z.
 double component(const Quat& q, int i) { return i == 0 ? q.s : q.v[i - 1]; }
-
-/// Offset in steps of the resolution, or nothing if it does not fit.
-std::optional<std::int32_t> quantize(double offset, double resolution) {
-  const double steps = std::round(offset / resolution);
-  if (!(std::fabs(steps) < kLargestOffset)) return std::nullopt;
-  return static_cast<std::int32_t>(steps);
-}
 
 inline Quat unpack(std::uint64_t bits) {
   const auto number = [&](int shift) {
@@ -83,55 +77,85 @@ std::uint64_t packQuaternion(const Quat& q) {
 
 Quat unpackQuaternion(std::uint64_t bits) { return unpack(bits); }
 
+namespace {
+
+const Vec3& placeOf(const RecordedFrame& frame, std::size_t i) {
+  const std::size_t bodies = frame.poses.size();
+  return i < bodies ? frame.poses[i].position : frame.vertices[i - bodies];
+}
+
+}  // namespace
+
 bool FrameEncoder::add(const RecordedFrame& frame) {
-  const std::size_t bodies = frame.poses.size(), places = bodies + frame.vertices.size();
-  const bool first = steps_.empty();
-  const auto placeOf = [&](std::size_t i) -> const Vec3& {
-    return i < bodies ? frame.poses[i].position : frame.vertices[i - bodies];
-  };
-  std::vector<std::uint32_t> words(wordCountOf(bodies, frame.vertices.size()));
-  for (std::size_t i = 0; i < places; ++i) {
-    for (int axis = 0; axis < 3 && !first; ++axis) {
-      const auto steps = quantize(placeOf(i)[axis] - origins_[i][axis], resolution_);
-      if (!steps) return false;
-      words[static_cast<std::size_t>(axis) * places + i] = static_cast<std::uint32_t>(*steps);
-    }
+  if (!frames_.empty()) {
+    const double most = kLargestOffset * resolution_;
+    for (std::size_t i = 0; i < places(); ++i)
+      for (int axis = 0; axis < 3; ++axis)
+        if (!(std::fabs(placeOf(frame, i)[axis] - placeOf(frames_.front(), i)[axis]) < most)) return false;
   }
-  for (std::size_t i = 0; i < bodies; ++i) {
-    const std::uint64_t turn = packQuaternion(frame.poses[i].orientation);
-    words[kPlaceWords * places + i] = static_cast<std::uint32_t>(turn);
-    words[kPlaceWords * places + bodies + i] = static_cast<std::uint32_t>(turn >> 32);
-  }
-  if (first) {
-    bodyCount_ = bodies;
-    for (std::size_t i = 0; i < places; ++i) origins_.push_back(placeOf(i));
-    previous_.assign(words.size(), 0);
-  }
-  steps_.push_back(frame.step);
-  times_.push_back(frame.time);
-  const std::size_t begin = planes_.size();
-  planes_.resize(begin + 4 * words.size());
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::uint32_t difference = zigzag(static_cast<std::int32_t>(words[i] - previous_[i]));
-    for (std::size_t byte = 0; byte < 4; ++byte)
-      planes_[begin + byte * words.size() + i] = static_cast<std::uint8_t>(difference >> (8 * byte));
-  }
-  previous_ = std::move(words);
+  frames_.push_back(frame);
   return true;
 }
 
-std::vector<std::uint8_t> FrameEncoder::finish() {
+std::size_t FrameEncoder::headSize() const {
+  return kBytesOfCounts + frames_.size() * kBytesOfTime + places() * kBytesOfOrigin;
+}
+std::size_t FrameEncoder::frameSize() const {
+  return kBytesOfWord * wordCountOf(bodies(), places() - bodies());
+}
+std::size_t FrameEncoder::contentSize() const { return headSize() + frames_.size() * frameSize(); }
+
+std::vector<std::uint8_t> FrameEncoder::content(std::size_t begin, std::size_t end) const {
   ByteWriter out;
-  out.put(static_cast<std::uint32_t>(steps_.size()));
-  out.put(static_cast<std::uint32_t>(bodyCount_));
-  out.put(static_cast<std::uint32_t>(origins_.size() - bodyCount_));
-  for (std::size_t i = 0; i < steps_.size(); ++i) out.put(steps_[i]), out.put(times_[i]);
-  for (const Vec3& origin : origins_)
-    for (int axis = 0; axis < 3; ++axis) out.put(origin[axis]);
-  std::vector<std::uint8_t> content = out.bytes();
-  content.insert(content.end(), planes_.begin(), planes_.end());
-  *this = FrameEncoder(resolution_);
-  return content;
+  out.put(static_cast<std::uint32_t>(frames_.size()));
+  out.put(static_cast<std::uint32_t>(bodies()));
+  out.put(static_cast<std::uint32_t>(places() - bodies()));
+  for (const RecordedFrame& frame : frames_) out.put(frame.step), out.put(frame.time);
+  for (std::size_t i = 0; i < places(); ++i)
+    for (int axis = 0; axis < 3; ++axis) out.put(placeOf(frames_.front(), i)[axis]);
+  std::vector<std::uint8_t> bytes = out.bytes();
+  const std::size_t head = bytes.size(), size = frameSize();
+  bytes.resize(contentSize());
+  if (end <= std::max(begin, head)) return bytes;
+  const std::size_t first = begin > head ? (begin - head) / size : 0, last = (end - head + size - 1) / size;
+  // the words of a block stay in the cache from frame to frame
+  constexpr std::size_t kBlock = 2048;
+  forEachTask((places() + kBlock - 1) / kBlock, [&](std::size_t k) {
+    encode(first, last, k * kBlock, std::min((k + 1) * kBlock, places()), bytes.data() + head);
+  });
+  return bytes;
+}
+
+void FrameEncoder::encode(std::size_t firstFrame, std::size_t endFrame, std::size_t begin, std::size_t end,
+                          std::uint8_t* bytes) const {
+  const std::size_t all = places(), turned = bodies(), endOfBodies = std::min(end, turned),
+                    count = wordCountOf(turned, all - turned);
+  std::vector<std::uint32_t> previous((kPlaceWords + kTurnWords) * (end - begin), 0);
+  for (std::size_t f = firstFrame > 0 ? firstFrame - 1 : 0; f < endFrame; ++f) {
+    const RecordedFrame& frame = frames_[f];
+    std::uint8_t* const to = bytes + f * frameSize();
+    auto before = previous.begin();
+    const auto put = [&](std::size_t word, std::uint32_t value) {
+      const std::uint32_t difference = zigzag(static_cast<std::int32_t>(value - *before));
+      *before++ = value;
+      if (f < firstFrame) return;
+      for (std::size_t byte = 0; byte < kBytesOfWord; ++byte)
+        to[byte * count + word] = static_cast<std::uint8_t>(difference >> (8 * byte));
+    };
+    for (std::size_t axis = 0; axis < kPlaceWords; ++axis)
+      for (std::size_t i = begin; i < end; ++i) {
+        const int a = static_cast<int>(axis);
+        const double offset = placeOf(frame, i)[a] - placeOf(frames_.front(), i)[a];
+        // a first position may be infinite
+        const double steps = f == 0 ? 0 : std::round(offset / resolution_);
+        put(axis * all + i, static_cast<std::uint32_t>(static_cast<std::int32_t>(steps)));
+      }
+    for (std::size_t i = begin; i < endOfBodies; ++i) {
+      const std::uint64_t turn = packQuaternion(frame.poses[i].orientation);
+      put(kPlaceWords * all + i, static_cast<std::uint32_t>(turn));
+      put(kPlaceWords * all + turned + i, static_cast<std::uint32_t>(turn >> 32));
+    }
+  }
 }
 
 bool FrameDecoder::start(std::vector<std::uint8_t> content, std::size_t bodyCount, std::size_t vertexCount,
@@ -142,7 +166,6 @@ bool FrameDecoder::start(std::vector<std::uint8_t> content, std::size_t bodyCoun
   const std::size_t bodies = in.get<std::uint32_t>();
   const std::size_t vertices = version > 1 ? in.get<std::uint32_t>() : 0;
   const std::size_t places = bodies + vertices, wordCount = wordCountOf(bodies, vertices);
-  constexpr std::size_t kBytesOfTime = 16, kBytesOfOrigin = 24, kBytesOfWord = 4;
   const Size wanted = Size(frameCount) * kBytesOfTime + Size(places) * kBytesOfOrigin +
                       Size(frameCount) * wordCount * kBytesOfWord;
   if (!in.ok() || bodies != bodyCount || vertices != vertexCount || !(wanted == in.left())) return false;

@@ -14,26 +14,36 @@ namespace rubble::io {
 std::uint64_t packQuaternion(const Quat& q);
 Quat unpackQuaternion(std::uint64_t bits);
 
-/// Collects frames of one set of bodies and vertices into the content of a chunk.
+/// Collects frames of one set of bodies and vertices, and makes the content of a chunk of them.
 class FrameEncoder {
  public:
   explicit FrameEncoder(double resolution) : resolution_(resolution) {}
 
-  int frameCount() const { return static_cast<int>(steps_.size()); }
+  int frameCount() const { return static_cast<int>(frames_.size()); }
   /// False, and nothing is taken, if a position lies too far from where the chunk begins: it needs a new
   /// chunk.
   bool add(const RecordedFrame& frame);
-  /// The content of the chunk; the encoder is empty again.
-  std::vector<std::uint8_t> finish();
+  /// Size of the content of the chunk [bytes].
+  std::size_t contentSize() const;
+  /// The content, made on the threads of the caller. Only its bytes from `begin` to `end` - 1 are needed: the
+  /// others are as they should be, or zero.
+  std::vector<std::uint8_t> content(std::size_t begin, std::size_t end) const;
+  std::vector<std::uint8_t> content() const { return content(0, contentSize()); }
+  /// The encoder is empty again.
+  void clear() { frames_.clear(); }
 
  private:
+  std::size_t bodies() const { return frames_.empty() ? 0 : frames_.front().poses.size(); }
+  std::size_t places() const { return frames_.empty() ? 0 : bodies() + frames_.front().vertices.size(); }
+  /// Size of what comes before the frames, and of a frame [bytes].
+  std::size_t headSize() const;
+  std::size_t frameSize() const;
+  /// Writes the words of places `begin` to `end` - 1 of some frames. `bytes`: where the first frame lies.
+  void encode(std::size_t firstFrame, std::size_t endFrame, std::size_t begin, std::size_t end,
+              std::uint8_t* bytes) const;
+
   double resolution_;
-  std::vector<std::int64_t> steps_;
-  std::vector<double> times_;
-  std::size_t bodyCount_ = 0;
-  std::vector<Vec3> origins_;            ///< positions of the first frame, exact: of bodies, then of vertices
-  std::vector<std::uint32_t> previous_;  ///< words of the frame before
-  std::vector<std::uint8_t> planes_;     ///< differences, byte by byte
+  std::vector<RecordedFrame> frames_;
 };
 
 /// Reads the frames of a chunk, each of them when it is asked for first. Memory is used again for the next

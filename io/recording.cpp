@@ -12,14 +12,6 @@
 #include "io/shape_json.h"
 
 namespace rubble::io {
-namespace {
-
-/// A chunk of frames ends at this many frames, or bytes before compression.
-constexpr int kFramesInChunk = 32;
-constexpr std::size_t kBytesInChunk = 16u << 20;
-constexpr std::size_t kBytesOfPose = 20, kBytesOfVertex = 12;
-
-}  // namespace
 
 bool operator==(const RecordedBody& a, const RecordedBody& b) {
   return a.id == b.id && a.motion == b.motion && a.name == b.name && a.shape.type == b.shape.type &&
@@ -42,90 +34,6 @@ double recordingResolution(const std::vector<RecordedBody>& bodies, const std::v
   for (const RecordedSoft& soft : softs)
     if (soft.radius > 0) smallest = std::min(smallest, kOfRadius * soft.radius);
   return std::isfinite(smallest) ? std::ldexp(smallest, -16) : RecordingHeader{}.resolution;
-}
-
-struct RecordingWriter::Impl {
-  ChunkWriter out;
-  FrameEncoder frames;
-  RecordedObjects objects;
-  bool hasBodies = false;
-  std::uint64_t bodyOffset = 0;
-  std::vector<FrameChunk> index;
-  bool finished = false;
-
-  Impl(const std::string& file, const RecordingHeader& header) : out(file), frames(header.resolution) {
-    out.writeRaw(magicBytes());
-    out.write(kHead, encodeHeader(header));
-    if (const Appearance& own = header.appearance; !own.looks.empty() || own.toSun || !own.cameras.empty()) {
-      ByteWriter text;
-      text.put(appearanceText(own));
-      out.write(kLook, text.bytes());
-    }
-  }
-
-  void flushFrames() {
-    const int count = frames.frameCount();
-    if (count == 0) return;
-    index.push_back({out.write(kFrames, frames.finish()), bodyOffset, count});
-  }
-
-  void add(const RecordedFrame& frame) {
-    if (frames.add(frame)) return;
-    flushFrames();
-    frames.add(frame);
-  }
-};
-
-RecordingWriter::RecordingWriter(const std::string& file, const RecordingHeader& header) {
-  if (!(header.resolution > 0))
-    throw Error("recording.resolution", "a length above 0 [m]", std::to_string(header.resolution));
-  impl_ = std::make_unique<Impl>(file, header);
-}
-
-RecordingWriter::~RecordingWriter() {
-  try {
-    finish();
-  } catch (const Error&) {
-    // A destructor cannot report an error; finish() throws.
-  }
-}
-
-void RecordingWriter::write(const std::vector<RecordedBody>& bodies, const RecordedFrame& frame,
-                            const std::vector<RecordedSoft>& softs) {
-  Impl& s = *impl_;
-  if (s.finished) throw Error("recording", "a recording that is not finished", "one that is");
-  if (bodies.size() != frame.poses.size())
-    throw Error("recording.frame", std::to_string(bodies.size()) + " poses",
-                std::to_string(frame.poses.size()));
-  if (!s.hasBodies || bodies != s.objects.bodies || softs != s.objects.softs) {
-    const RecordedObjects now{bodies, softs};
-    if (now.vertexCount() != frame.vertices.size())
-      throw Error("recording.frame", std::to_string(now.vertexCount()) + " vertices",
-                  std::to_string(frame.vertices.size()));
-    s.flushFrames();
-    s.objects = now;
-    s.hasBodies = true;
-    s.bodyOffset = s.out.write(kBody, encodeObjects(now));
-  }
-  if (s.objects.vertexCount() != frame.vertices.size())
-    throw Error("recording.frame", std::to_string(s.objects.vertexCount()) + " vertices",
-                std::to_string(frame.vertices.size()));
-  s.add(frame);
-  const std::size_t bytes = static_cast<std::size_t>(s.frames.frameCount()) *
-                            (bodies.size() * kBytesOfPose + frame.vertices.size() * kBytesOfVertex);
-  if (s.frames.frameCount() >= kFramesInChunk || bytes >= kBytesInChunk) s.flushFrames();
-}
-
-void RecordingWriter::finish() {
-  Impl& s = *impl_;
-  if (s.finished) return;
-  s.finished = true;
-  s.flushFrames();
-  ByteWriter footer;
-  footer.put(s.out.write(kIndex, encodeIndex(s.index)));
-  Bytes bytes = footer.bytes();
-  bytes.insert(bytes.end(), kMagic.begin(), kMagic.end());
-  s.out.writeRaw(bytes);
 }
 
 struct RecordingReader::Impl {

@@ -17,6 +17,10 @@
 
 #include "io/picture_poses.h"
 
+namespace rubble {
+class Transport;
+}
+
 namespace rubble::io {
 
 struct RecordingHeader {
@@ -87,12 +91,23 @@ RecordedFrame recordedFrame(World& world, std::span<const PoseSource> sources);
 double recordingResolution(const std::vector<RecordedBody>& bodies,
                            const std::vector<RecordedSoft>& softs = {});
 
-/// Writes a trajectory frame by frame. What was flushed survives whatever happens to the process.
+/// What packs the frames of a recording. The bytes of the file do not depend on it.
+struct RecordingOptions {
+  int threads = 0;  ///< 0: one per core
+  /// Between processes that have the same frames, and make the same calls in the same order: each packs its
+  /// part of a chunk, and the first one writes the file. It must outlive the writer. Null: this process
+  /// alone.
+  Transport* transport = nullptr;
+};
+
+/// Writes a trajectory frame by frame. What was flushed survives whatever happens to the process. If one of
+/// several processes fails, the others throw Error, too, which names its rank.
 class RecordingWriter {
  public:
   /// Throws Error if the file cannot be written.
-  RecordingWriter(const std::string& file, const RecordingHeader& header);
-  /// Finishes the file; a failure is silent here, so call finish() where it matters.
+  RecordingWriter(const std::string& file, const RecordingHeader& header,
+                  const RecordingOptions& options = {});
+  /// Finishes the file of a single process; a failure is silent here, so call finish() where it matters.
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;

@@ -7,6 +7,7 @@
 #include "apps/cli/job.h"
 #include "apps/cli/make_bench.h"
 #include "apps/cli/measure.h"
+#include "apps/cli/processes.h"
 #include "apps/cli/search.h"
 #include "apps/cli/session.h"
 #include "apps/cli/text_report.h"
@@ -51,6 +52,7 @@ void printRow(std::FILE* out, const io::RunRecord& r) {
 }
 
 int bench(BenchOptions options) {
+  options.jsonFile = outputOfProcess(options.jsonFile);
   if (options.search)
     return searchLargest({options.job, options.limitMs, options.jsonFile}) ? kHolds : kDoesNotHold;
   if (options.scenes.empty()) throw Error("scenes", "names of scenes, or --search-60hz", "none");
@@ -84,7 +86,7 @@ int bench(BenchOptions options) {
       prepared.world.timings = !options.noStages;
       if (!options.job.steps) prepared.steps = benchSteps(prepared);
       SessionOptions session;
-      session.quiet = options.quiet;
+      session.quiet = options.quiet || !Processes::isFirst();
       SessionResult result = runSession(std::move(prepared), session);
       if (!options.quiet) fmt::print(out, "{}\n", textReport(result.record, result.reports));
       records.push_back(std::move(result.record));

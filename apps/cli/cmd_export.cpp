@@ -8,6 +8,7 @@
 #include "apps/cli/command.h"
 #include "apps/cli/job.h"
 #include "apps/cli/output.h"
+#include "apps/cli/processes.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/render_job.h"
 #include "apps/cli/render_view.h"
@@ -114,9 +115,11 @@ int exportNow(const ExportCommand& command) {
   if (command.recordFile.empty())
     scratch.emplace((std::filesystem::path(command.out).parent_path() / ".export.rubble").string());
   SessionOptions session;
-  session.quiet = command.quiet;
+  session.quiet = command.quiet || !Processes::isFirst();
   session.recordFile = scratch ? scratch->path() : command.recordFile;
   runSession(std::move(prepared), session);
+  // the first process has written the recording
+  if (!Processes::isFirst()) return kHolds;
   return exportFrames(command, session.recordFile, camera);
 }
 

@@ -42,15 +42,16 @@ void setControls(std::vector<ActuatorDef>& actuators, const std::vector<std::str
 }
 
 int run(RunOptions options) {
-  for (std::string* file : {&options.jsonFile, &options.recordFile, &options.inputsFile, &options.sensorFile,
-                            &options.picture.file})
+  for (std::string* file :
+       {&options.jsonFile, &options.inputsFile, &options.sensorFile, &options.picture.file})
     *file = outputOfProcess(*file);
   if (options.checkpointFile.empty() != (options.checkpointInterval == 0))
     throw Error("--checkpoint", "a file and --every N", "one of them");
   if (!Processes::isFirst()) options.checkpointFile.clear();
-  for (const std::string& file :
-       {options.jsonFile, options.recordFile, options.inputsFile, options.sensorFile})
+  for (const std::string& file : {options.jsonFile, options.inputsFile, options.sensorFile})
     requireWritable(file);
+  // all processes pack the recording, and the first one writes it
+  if (Processes::isFirst()) requireWritable(options.recordFile);
   PreparedJob prepared = prepareJob(options.job);
   prepared.world.timings = !options.noStages;
   setControls(prepared.job.actuators, options.controls);

@@ -145,7 +145,9 @@ void addBackendOptions(CLI::App& app, JobOptions& options) {
   app.add_option(
       "-b,--backend", options.backend,
       "Where the step runs (see 'rubble info build'; default: cuda where there is a GPU, else cpu)");
-  app.add_option("-t,--threads", options.threads, "Worker threads; 0 is one a core")
+  app.add_option(
+         "-t,--threads", options.threads,
+         "Worker threads, of all ranks of this process together; 0 is one a core (of torchrun: its share)")
       ->check(notBelowZero())
       ->capture_default_str();
   addRankOptions(app, options);
@@ -164,7 +166,7 @@ void addRankOptions(CLI::App& app, JobOptions& options) {
   app.add_option(
          "--exchange", options.exchange,
          "What ranks exchange: messages, stores into one another's memory, or letters that say what to "
-         "store (default: messages; between GPUs of one process stores, of several letters)")
+         "store (default: stores; between processes messages, between their GPUs letters)")
       ->transform(
           CLI::CheckedTransformer(std::map<std::string, RankExchange>{{"messages", RankExchange::Messages},
                                                                       {"stores", RankExchange::Stores},
@@ -238,9 +240,10 @@ PreparedJob prepareJob(const JobOptions& options) {
                        : fmt::format("{} {}", options.scene, fmt::join(options.arguments, " "));
   prepared.job = options.file ? jobOf(*options.file) : loadJob(options.scene, options.arguments);
   prepared.world.backend = backend;
-  prepared.world.threads = options.threads;
+  prepared.world.threads = options.threads > 0 ? options.threads : Processes::threads();
   prepared.world.ranks.count = options.ranks;
-  prepared.world.ranks.exchange = options.exchange;
+  prepared.world.ranks.exchange = options.exchange.value_or(options.ranks > 0 ? RankExchange::Stores
+                                                                              : RankExchange::Messages);
   const int first = std::max(0, Processes::localRank());
   for (int device = 0; device < options.gpus; ++device)
     prepared.world.ranks.devices.push_back(first + device);

@@ -26,7 +26,8 @@ struct JobOptions {
   std::string backend = "cpu";  ///< "": bestBackend()
   std::string preset = "engine";
   int threads = 0, ranks = 0, gpus = 0;
-  RankExchange exchange = RankExchange::Messages;
+  /// Nothing: stores between ranks that are threads, and else as RankOptions says.
+  std::optional<RankExchange> exchange;
 };
 
 /// Adds the options to a subcommand. `scene` is left to the caller, which knows whether it takes one or

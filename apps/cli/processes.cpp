@@ -1,12 +1,16 @@
 #include "apps/cli/processes.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <random>
 
+#include <rubble/ranks.h>
 #include <rubble/socket_ranks.h>
 
+#include "apps/cli/system.h"
+#include "backend/distributed/rank_processes.h"
 #include "platform/system.h"
 
 #if RUBBLE_HAS_MPI
@@ -42,6 +46,11 @@ int Processes::localRank() {
   return processRank;
 }
 
+int Processes::threads() {
+  const char* const count = processCount > 1 ? std::getenv("LOCAL_WORLD_SIZE") : nullptr;
+  return count ? std::max(1, threadCount(0) / std::max(1, std::atoi(count))) : 0;
+}
+
 void Processes::join() {
 #if RUBBLE_HAS_MPI
   if (MpiRanks::launched()) {
@@ -59,6 +68,11 @@ void Processes::fail([[maybe_unused]] const std::string& why) {
 #if RUBBLE_HAS_MPI
   if (mpi_ && mpi_->count() > 1) mpi_->abort(why);
 #endif
+}
+
+std::unique_ptr<Transport> Processes::transport() {
+  const RankProcesses& processes = rankProcesses();
+  return processes.transport ? processes.transport(RankOptions().timeout) : nullptr;
 }
 
 std::string outputOfProcess(const std::string& file) {

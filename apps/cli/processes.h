@@ -7,6 +7,7 @@
 namespace rubble {
 class MpiRanks;
 class SocketRanks;
+class Transport;
 }  // namespace rubble
 
 namespace rubble::cli {
@@ -27,6 +28,12 @@ class Processes {
   static bool isFirst();
   /// Number of this process on its host, as what started it says; -1: it is the only one.
   static int localRank();
+  /// Threads of this process in place of 0: its share of the cores, where torchrun has started several on
+  /// this host. mpirun binds processes to cores instead. 0: all that it may run on.
+  static int threads();
+  /// The end of this process in an exchange with the others, who make the same call; null: it is the only
+  /// one.
+  static std::unique_ptr<Transport> transport();
 
  private:
   std::unique_ptr<MpiRanks> mpi_;

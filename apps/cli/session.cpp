@@ -9,7 +9,9 @@
 
 #include "apps/cli/measure.h"
 #include "apps/cli/picture_writer.h"
+#include "apps/cli/processes.h"
 #include "apps/cli/progress.h"
+#include "backend/distributed/transport.h"
 #include "io/crc32.h"
 #include "io/input_log.h"
 #include "io/output_file.h"
@@ -23,13 +25,16 @@ namespace {
 /// Feeds a recording, if there is one.
 class Recorder {
  public:
-  Recorder(const std::string& file, const std::string& title, const Appearance& appearance, World& world) {
+  Recorder(const std::string& file, const std::string& title, const Appearance& appearance, int threads,
+           World& world) {
     if (file.empty()) return;
+    transport_ = Processes::transport();
     io::requireRecordingName(file);
     learn(world);
     const double resolution = io::recordingResolution(bodies_, io::recordedSofts(world));
     writer_.emplace(file,
-                    io::RecordingHeader{title, world.params().dt, world.gravity(), resolution, appearance});
+                    io::RecordingHeader{title, world.params().dt, world.gravity(), resolution, appearance},
+                    io::RecordingOptions{threads, transport_.get()});
     record(world);
   }
 
@@ -52,6 +57,7 @@ class Recorder {
     sources_ = io::poseSources(world);
   }
 
+  std::unique_ptr<Transport> transport_;
   std::optional<io::RecordingWriter> writer_;
   std::int64_t epoch_ = -1;
   std::vector<io::PoseSource> sources_;
@@ -168,7 +174,8 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   std::optional<io::InputLog> inputs;
   if (!options.inputsFile.empty())
     inputs.emplace(options.inputsFile, runner.job().scene, prepared.world, runner.world());
-  Recorder recorder(options.recordFile, prepared.title, runner.job().appearance, runner.world());
+  Recorder recorder(options.recordFile, prepared.title, runner.job().appearance, prepared.world.threads,
+                    runner.world());
   SensorLog sensors(options.sensorFile, runner.job().sensors, runner.world());
   Progress progress(prepared.title, prepared.steps, options.quiet);
   const bool draws = !options.pictures.empty();

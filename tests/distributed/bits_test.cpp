@@ -149,6 +149,21 @@ INSTANTIATE_TEST_SUITE_P(Samples, ScenesOnRanks,
                            return name;
                          });
 
+/// Loops are long enough to be divided.
+TEST(Ranks, OfSeveralThreadsHaveTheBitsOfOne) {
+  const Maker make = [] {
+    const scenes::Spec& spec = scenes::find("pile-10k");
+    scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, {{"levels", 16}}));
+    job.probes.clear();
+    return job;
+  };
+  WorldOptions options = optionsOf(make());
+  const Course one(make, options, 3);
+  options.threads = 6;
+  for (const RankExchange exchange : {RankExchange::Messages, RankExchange::Stores, RankExchange::Letters})
+    EXPECT_EQ(one.differenceOf(make, onRanks(options, 2, 2, exchange)), "") << static_cast<int>(exchange);
+}
+
 TEST(Ranks, ThatStoreAreNotMoreThanABodyHasBitsFor) {
   const scenes::Job job = jobOf("break-row");
   for (const RankExchange exchange : {RankExchange::Stores, RankExchange::Letters})

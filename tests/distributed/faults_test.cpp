@@ -89,8 +89,10 @@ template <class Check> int errorsOnRanks(int ranks, const Check& check) {
   return wrong;
 }
 
+constexpr int kRanks = 3;
+
 TEST(ThreadTransport, KeepsTheOrderOfMessagesAndOfRanks) {
-  constexpr int kRanks = 3, kRounds = 200;
+  constexpr int kRounds = 200;
   const auto check = [](Transport& end, int r) {
     int wrong = 0;
     for (int round = 0; round < kRounds; ++round) {
@@ -110,36 +112,41 @@ TEST(ThreadTransport, KeepsTheOrderOfMessagesAndOfRanks) {
 }
 
 /// Every rank asks for elements of the others, and receives these in the order in which it asked.
-TEST(RankCourier, BringsTheElementsThatWereAskedFor) {
-  constexpr int kRanks = 3, kElements = 50;
-  const auto check = [](Transport& end, int r) {
+int errorsOfCouriers(int elements, int threads) {
+  const auto check = [&](Transport& end, int r) {
     int wrong = 0;
-    RankCourier courier(end);
+    const std::size_t count = static_cast<std::size_t>(elements);
+    RankCourier courier(end, threads);
     // element i belongs to rank i % kRanks, where it is i and 2 i
-    std::vector<int> first(kElements, -1), small(kElements, 0);
-    std::vector<double> second(kElements, -1);
+    std::vector<int> first(count, -1), small(count, 0);
+    std::vector<double> second(count, -1);
     RankLists lists(kRanks);
-    for (int i = r; i < kElements; i += kRanks) first[std::size_t(i)] = i, second[std::size_t(i)] = 2 * i;
+    for (int i = r; i < elements; i += kRanks) first[std::size_t(i)] = i, second[std::size_t(i)] = 2 * i;
     std::vector<RankLists> needs(2, RankLists(kRanks));
-    for (int i = 0; i < kElements; ++i) {
+    for (int i = 0; i < elements; ++i) {
       lists[std::size_t(i % kRanks)].push_back(i);
       small[std::size_t(i)] = i % kRanks == r ? i % 16 : 0;
       if (i % kRanks != r && i % (r + 2) == 0) needs[0][std::size_t(i % kRanks)].push_back(i);
     }
     const std::vector<RankTraffic> traffic = courier.ask(needs);
     courier.swap(traffic[0], first.data(), second.data());
-    for (int i = 0; i < kElements; ++i) {
+    for (int i = 0; i < elements; ++i) {
       const bool has = i % kRanks == r || i % (r + 2) == 0;
       wrong += first[std::size_t(i)] != (has ? i : -1) || second[std::size_t(i)] != (has ? 2 * i : -1);
     }
     courier.gather(lists, first.data(), second.data());
-    courier.gatherSmall<4>(small.data(), kElements, [](int i) { return i % kRanks; });
-    for (int i = 0; i < kElements; ++i)
+    courier.gatherSmall<4>(small.data(), elements, [](int i) { return i % kRanks; });
+    for (int i = 0; i < elements; ++i)
       wrong += first[std::size_t(i)] != i || second[std::size_t(i)] != 2 * i ||
                small[std::size_t(i)] != i % 16;
     return wrong;
   };
-  EXPECT_EQ(errorsOnRanks(kRanks, check), 0);
+  return errorsOnRanks(kRanks, check);
+}
+TEST(RankCourier, BringsTheElementsThatWereAskedFor) {
+  EXPECT_EQ(errorsOfCouriers(50, 1), 0);
+  // several ranges
+  EXPECT_EQ(errorsOfCouriers(3 * kLeastOfRange + 1, 3), 0);
 }
 
 }  // namespace

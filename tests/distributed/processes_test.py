@@ -22,7 +22,8 @@ def start(count, command):
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    variables = os.environ | {"WORLD_SIZE": str(count), "MASTER_ADDR": "127.0.0.1", "RUBBLE_PORT": str(port)}
+    variables = os.environ | {"WORLD_SIZE": str(count), "LOCAL_WORLD_SIZE": str(count),
+                              "MASTER_ADDR": "127.0.0.1", "RUBBLE_PORT": str(port)}
     jobs = [subprocess.Popen(command, env=variables | {"RANK": str(rank)}) for rank in range(count)]
     return next((status for status in [job.wait() for job in jobs] if status), 0)
 
@@ -47,13 +48,19 @@ def report(command):
 
 
 def same_bits(folder, one):
+    alone = folder / "1.rubble"
+    report([RUBBLE, *SCENE, "-n", "12", "-b", "cpu", "--record", str(alone)])
     for count, exchange in ((2, "letters"), (3, "messages")):
         file = folder / f"{count}.rubble"
         many = report(launch(count, [*SCENE, "-n", "12", "-b", "distributed", "--exchange", exchange,
                                      "--record", str(file)]))
         assert many["hash"] == one, (count, many["hash"], one)
-        assert len(many["ranks"]) == count and all(rank["bytes"] > 0 for rank in many["ranks"])
-        assert file.stat().st_size > 0
+        assert len(many["ranks"]) == count and many["rank_imbalance"] >= 0
+        for rank in many["ranks"]:
+            assert rank["bytes"] > 0 and rank["bodies"] > 0 and rank["own_ms"] > 0, rank
+            assert {"exchange_ms", "ghosts", "rows", "messages"} <= rank.keys(), rank
+        assert MPIRUN or many["threads"] <= max(1, os.cpu_count() // count), many["threads"]
+        assert file.read_bytes() == alone.read_bytes(), count
 
 
 def checkpoint(folder, one):
@@ -85,6 +92,18 @@ def stores(*_):
     assert done.returncode != 0 and "messages or letters" in done.stderr, done.stderr
 
 
+def full(folder, _):
+    """A recording that cannot be written ends the run of all, and the error names the file."""
+    if not os.path.exists("/dev/full"):
+        return
+    file = folder / "full.rubble"
+    file.symlink_to("/dev/full")
+    done = subprocess.run(launch(2, [*SCENE, "-n", "100000", "-b", "distributed", "--record", str(file)]),
+                          capture_output=True, text=True, timeout=60)
+    assert done.returncode != 0 and str(file) in done.stderr, done.stderr
+    assert MPIRUN or "rank 0 has ended" in done.stderr, done.stderr
+
+
 def killed(folder, _):
     error = folder / "error"
     with error.open("w") as stream:
@@ -106,7 +125,7 @@ def killed(folder, _):
 def main():
     with tempfile.TemporaryDirectory() as name:
         one = report([RUBBLE, *SCENE, "-n", "12", "-b", "cpu"])["hash"]
-        for test in (same_bits, checkpoint, stores, killed):
+        for test in (same_bits, checkpoint, stores, full, killed):
             test(pathlib.Path(name), one)
     print("processes_test: all runs as expected")
 

@@ -81,7 +81,7 @@ RecordedFrame frameOf(std::size_t bodies, std::size_t vertices, int step) {
 Bytes framesOf(std::size_t bodies, std::size_t vertices, int count) {
   FrameEncoder encoder(1e-5);
   for (int i = 0; i < count; ++i) encoder.add(frameOf(bodies, vertices, i));
-  return encoder.finish();
+  return encoder.content();
 }
 
 /// Two frames of a box, then three of a box, a hull and a sheet. Pieces: header, box, its frames, all three,

@@ -114,6 +114,9 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   void observe(KernelObserver observer) override { executor_.observe(std::move(observer)); }
   const HostTables& tablesNow() override { return executor_.tables(); }
   HostTables& tables() { return executor_.tables(); }
+  /// Most ranges that loops have use for, and a call whose loops run on the threads of this engine.
+  int threads() const { return executor_.threads(); }
+  void run(FunctionRef<void()> f) { executor_.run(f); }
   /// As CpuExecutor::divide.
   void divide(Division* division) {
     executor_.divide(division);

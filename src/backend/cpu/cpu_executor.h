@@ -44,6 +44,8 @@ class CpuExecutor {
   /// last one first. Results must not depend on it.
   void takeBackward() { backward_ = true; }
 
+  /// Most ranges that loops have use for.
+  int threads() const { return threads_.count(); }
   /// Runs f() on the threads of this executor.
   template <class F> void run(F&& f) { threads_.run(f); }
 

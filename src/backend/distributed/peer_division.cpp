@@ -20,13 +20,14 @@ PeerBox boxOf(LetterBox& letters) {
 
 }  // namespace
 
-PeerDivision::PeerDivision(HostTables& tables, Transport& transport, const RankOptions& options)
+PeerDivision::PeerDivision(HostTables& tables, Transport& transport, const RankOptions& options, int threads)
     : tables_(tables),
       transport_(transport),
       courier_(transport),
       exchange_(options.exchange),
       ranks_(static_cast<std::size_t>(transport.ranks())),
-      sums_(static_cast<std::size_t>(transport.ranks())) {
+      sums_(static_cast<std::size_t>(transport.ranks())),
+      lister_(threads) {
   if (transport.ranks() > kMostPeers)
     throw Error("ranks.count", "at most " + std::to_string(kMostPeers) + " ranks that store or send letters",
                 std::to_string(transport.ranks()));
@@ -69,66 +70,55 @@ void PeerDivision::fit() {
   }
 }
 
-template <class Test> void PeerDivision::add(List& to, const Test& test, int i) {
-  to.index.push_back(i);
-  if constexpr (requires { test.ownerOf(tables(), i); })
-    if (!data_.counts(test.ownerOf(tables(), i))) to.other.push_back(i);
+template <class Test> PeerDivision::Take PeerDivision::takeOf(const Test& test, int element) const {
+  if constexpr (requires { test.ownerOf(tables(), element); })
+    if (!data_.counts(test.ownerOf(tables(), element))) return Take::Other;
+  return Take::Counted;
 }
 template <class Test> void PeerDivision::select(PeerList list, const Test& test, int n) {
-  List& to = lists_[static_cast<int>(list)];
-  for (int i = 0; i < n; ++i)
-    if (test(tables(), i)) add(to, test, i);
-  listed_[static_cast<int>(list)] = static_cast<int>(to.index.size());
+  lister_.list(of(list), n, [&](int i) { return test(tables(), i) ? takeOf(test, i) : Take::No; });
+  listedIn(list);
 }
 template <class Test> void PeerDivision::selectOf(PeerList list, PeerList from, const Test& test) {
-  List& to = lists_[static_cast<int>(list)];
-  for (const int k : elements(from))
-    if (test(tables(), k)) add(to, test, test.of(tables(), k));
-  listed_[static_cast<int>(list)] = static_cast<int>(to.index.size());
+  const RankPart& all = of(from);
+  const auto at = [&](int k) { return all.index[std::size_t(k)]; };
+  const auto elementOf = [&](int k) { return test.of(tables(), at(k)); };
+  lister_.list(
+      of(list), all.size(),
+      [&](int k) { return test(tables(), at(k)) ? takeOf(test, elementOf(k)) : Take::No; }, elementOf);
+  listedIn(list);
 }
 void PeerDivision::join(PeerList list, PeerList more) {
-  List& to = lists_[static_cast<int>(list)];
-  const List& then = lists_[static_cast<int>(more)];
-  to = lists_[static_cast<int>(beginningOf(list))];
-  to.index.insert(to.index.end(), then.index.begin(), then.index.end());
-  to.other.insert(to.other.end(), then.other.begin(), then.other.end());
-  listed_[static_cast<int>(list)] = static_cast<int>(to.index.size());
+  of(list).join(of(beginningOf(list)), of(more));
+  listedIn(list);
 }
 
-template <class Test> Division::Part PeerDivision::partOf(const List& list, Test&& test) {
-  part_.clear(), spare_.clear();
-  auto other = list.other.begin();
-  for (const int i : list.index) {
-    const bool counts = other == list.other.end() || *other != i;
-    if (!counts) ++other;
-    if (test(i)) (counts ? part_ : spare_).push_back(i);
+/// All bodies between the cuts.
+Division::Part PeerDivision::partOfHomes(int n) {
+  const PeerHome home = data_.home();
+  if (!home.cut) return {nullptr, n, n};
+  const int begin = home.cut->begin[data_.rank], end = home.cut->begin[data_.rank + 1];
+  if (homes_.size() != end - begin || (end > begin && homes_.index.front() != begin)) {
+    homes_.index.resize(static_cast<std::size_t>(end - begin));
+    std::iota(homes_.index.begin(), homes_.index.end(), begin);
+    homes_.counted = homes_.size();
   }
-  const int counted = static_cast<int>(part_.size());
-  part_.insert(part_.end(), spare_.begin(), spare_.end());
-  return {part_.data(), counted, static_cast<int>(part_.size())};
+  return homes_.part();
 }
 
-Division::Part PeerDivision::partOf(PeerList list) {
-  return partOf(lists_[static_cast<int>(list)], [](int) { return true; });
-}
-
-template <class Mine> Division::Part PeerDivision::partBy(int n, Mine&& mine) {
-  part_.clear();
-  for (int i = 0; i < n; ++i)
-    if (mine(i)) part_.push_back(i);
-  return {part_.data(), static_cast<int>(part_.size()), static_cast<int>(part_.size())};
+template <class Mine> Division::Part PeerDivision::partBy(RankPart& list, int n, Mine&& mine) {
+  lister_.list(list, n, [&](int i) { return mine(i) ? Take::Counted : Take::No; });
+  return list.part();
 }
 
 /// The elements of a list of joints, with several parts per joint.
 Division::Part PeerDivision::partOfJoints(PeerJoints kind, int n, int type) {
-  Part joints = partOf(listOfJoints(kind, type));
+  const PeerList list = listOfJoints(kind, type);
   const int perJoint = n / tables().joints[type];
-  if (perJoint == 1) return joints;
-  spare_.clear();
-  for (const int i : part_)
-    for (int k = 0; k < perJoint; ++k) spare_.push_back(i * perJoint + k);
-  part_.swap(spare_);
-  return {part_.data(), joints.counted * perJoint, static_cast<int>(part_.size())};
+  if (perJoint == 1) return of(list).part();
+  RankPart& parts = jointParts_[static_cast<int>(list)];
+  if (parts.size() != of(list).size() * perJoint) lister_.listParts(parts, of(list), perJoint);
+  return parts.part();
 }
 
 int PeerDivision::ownerOfNode(int n) const {
@@ -138,14 +128,15 @@ int PeerDivision::ownerOfNode(int n) const {
 
 Division::Part PeerDivision::part(Cut cut, int n, int which) {
   const SolverData& s = tables();
-  const auto levelOf = [&](int slice) { return s.aggregate[s.slice[slice].aggregate].level; };
   if (cut > Cut::Tested) plan();
   switch (cut) {
     case Cut::Whole:
-    case Cut::Tested:  // this rank lists near pairs only
       return {nullptr, n, n};
     case Cut::Homes:
-      return partBy(n, [&](int i) { return data_.home().has(i); });
+      return partOfHomes(n);
+    case Cut::Tested:  // this rank lists near pairs only
+      lister_.list(tested_, n, [&](int k) { return takeOf(NearActivePair{data_}, s.tested[k]); });
+      return tested_.part();
     case Cut::ActivePairs:
       if (!std::exchange(activeListed_, true)) peers::listActivePairs(*this);
       [[fallthrough]];
@@ -156,39 +147,27 @@ Division::Part PeerDivision::part(Cut cut, int n, int which) {
     case Cut::Bodies:
     case Cut::Slices:
     case Cut::SeenSlices:
-      return partOf(peerListOf(cut));
+      return of(peerListOf(cut)).part();
     case Cut::LevelSlices:
-      return partOf(lists_[static_cast<int>(PeerList::Slices)], [&](int i) { return levelOf(i) == which; });
+      return levelSlices_.part(which);
     case Cut::LevelMoves:
-      return partOf(lists_[static_cast<int>(PeerList::SeenSlices)], [&](int i) {
-        return levelOf(i) == which &&
-               std::any_of(&s.aggregateNode[0] + s.slice[i].begin, &s.aggregateNode[0] + s.slice[i].end,
-                           [&](int node) { return isSeen(node); });
-      });
-    case Cut::SeenAggregates:
-      return partBy(n, [&](int i) { return data_.sees[i] != 0; });
-    case Cut::LevelAggregates: {
-      List all;
-      for (int i = s.levelAggregate[which]; i < s.levelAggregate[which + 1]; ++i) {
-        if (data_.sees[i] == 0) continue;
-        all.index.push_back(i);
-        if (!data_.counts(data_.sliceOwner[s.aggregate[i].sliceBegin])) all.other.push_back(i);
-      }
-      return partOf(all, [](int) { return true; });
+      return levelMoves_.part(which);
+    case Cut::SeenAggregates: {
+      const int all = seenAggregates_.size();
+      return {seenAggregates_.index.data(), all, all};
     }
+    case Cut::LevelAggregates:
+      return levelAggregates_.part(which);
     case Cut::Joints:
       return partOfJoints(PeerJoints::All, n, which);
     case Cut::OwnJoints:
       return partOfJoints(PeerJoints::Own, n, which);
     case Cut::TreeNodes:
-      return partBy(n, [&](int k) { return s.treeNode[k].body >= 0 && data_.isMine(ownerOfNode(k)); });
+      return treeNodes_.part();
     case Cut::LevelNodes:
-      return partBy(n, [&](int k) { return data_.isMine(ownerOfNode(s.levelNode[which + k])); });
+      return partBy(levelNodes_, n, [&](int k) { return data_.isMine(ownerOfNode(s.levelNode[which + k])); });
     case Cut::SmallTrees:
-      return partBy(n, [&](int k) {
-        const SmallTree& tree = s.smallTree[k];
-        return tree.begin < tree.end && data_.isMine(ownerOfNode(tree.begin));
-      });
+      return smallTrees_.part();
   }
   return {};
 }
@@ -196,11 +175,7 @@ Division::Part PeerDivision::part(Cut cut, int n, int which) {
 Division::Part PeerDivision::color(int color) {
   plan();
   if (color == 0) settle(), peers::beginColors(*this);
-  const SolverData& s = tables();
-  const Part part = partOf(lists_[static_cast<int>(PeerList::Bodies)],
-                           [&](int i) { return isSwept(s, i) && s.color[i] == color; });
-  colorList_ = part_;
-  return part;
+  return colors_.part(color);
 }
 
 void PeerDivision::plan() {
@@ -208,13 +183,45 @@ void PeerDivision::plan() {
   settle();
   fit();
   peers::plan(*this);
+  const SolverData& s = tables();
+  const auto colorOf = [&](int i) { return isSwept(s, i) ? s.color[i] : -1; };
+  lister_.group(colors_, of(PeerList::Bodies), s.counters->colors, colorOf);
+  lister_.group(sharedColors_, of(PeerList::SharedBodies), s.counters->colors, colorOf);
+  if (s.plan.coarseCorrection) planAggregates();
+  partBy(treeNodes_, s.treeNodes,
+         [&](int k) { return s.treeNode[k].body >= 0 && data_.isMine(ownerOfNode(k)); });
+  partBy(smallTrees_, s.smallTrees, [&](int k) {
+    const SmallTree& tree = s.smallTree[k];
+    return tree.begin < tree.end && data_.isMine(ownerOfNode(tree.begin));
+  });
+}
+
+/// Slices and aggregates by level.
+void PeerDivision::planAggregates() {
+  const SolverData& s = tables();
+  const auto levelOf = [&](int slice) { return s.aggregate[s.slice[slice].aggregate].level; };
+  const auto moves = [&](int slice) {
+    const int* const nodes = &s.aggregateNode[0];
+    return std::any_of(nodes + s.slice[slice].begin, nodes + s.slice[slice].end,
+                       [&](int node) { return isSeen(node); });
+  };
+  lister_.group(levelSlices_, of(PeerList::Slices), kCoarseLevels, levelOf);
+  lister_.group(levelMoves_, of(PeerList::SeenSlices), kCoarseLevels,
+                [&](int slice) { return moves(slice) ? levelOf(slice) : -1; });
+  lister_.list(seenAggregates_, s.counters->aggregates, [&](int i) {
+    if (data_.sees[i] == 0) return Take::No;
+    return data_.counts(data_.sliceOwner[s.aggregate[i].sliceBegin]) ? Take::Counted : Take::Other;
+  });
+  lister_.group(levelAggregates_, seenAggregates_, kCoarseLevels,
+                [&](int i) { return s.aggregate[i].level; });
 }
 
 void PeerDivision::share(Share what, int which) {
   if (what == Share::None) return;
   if (what == Share::Homes) {
     planned_ = activeListed_ = summed_ = atRest_ = false;
-    for (List& list : lists_) list.index.clear(), list.other.clear();
+    for (RankPart& list : lists_) list.clear();
+    for (RankPart& list : jointParts_) list.clear();
     std::ranges::fill(listed_, 0);
   }
   settle();
@@ -222,9 +229,11 @@ void PeerDivision::share(Share what, int which) {
     case Share::NodePoses:  // all that see a body have its pose
       if (!std::exchange(summed_, tables().plan.coarseCorrection)) peers::beginSums(*this);
       return;
-    case Share::ColorPoses:
-      each(ShareColor{{data_}, colorList_.data()}, static_cast<int>(colorList_.size()));
+    case Share::ColorPoses: {
+      const Part shared = sharedColors_.part(which);
+      each(ShareColor{{data_}, shared.index}, shared.count);
       return barrier();
+    }
     case Share::Counts:
       // the tables of the next step
       swaps_ = atRest_ = true;

@@ -6,6 +6,7 @@
 #include <rubble/ranks.h>
 
 #include "backend/distributed/rank_lists.h"
+#include "backend/distributed/rank_part.h"
 #include "backend/distributed/world_division.h"
 #include "backend/peers/peer_phases.h"
 #include "tables/host_tables.h"
@@ -18,8 +19,8 @@ using LetterBox = std::vector<PeerLetter>;
 class PeerDivision final : public WorldDivision {
  public:
   /// Both must outlive the division. Without letters ranks are threads of one process: the transport carries
-  /// pointers.
-  PeerDivision(HostTables& tables, Transport& transport, const RankOptions& options);
+  /// pointers. `threads`: of this rank, which run the calls below.
+  PeerDivision(HostTables& tables, Transport& transport, const RankOptions& options, int threads);
 
   Part part(Cut cut, int n, int which) override;
   Part color(int color) override;
@@ -34,7 +35,7 @@ class PeerDivision final : public WorldDivision {
   const SolverData& tables() const { return tables_.view(); }
   const PeerData& data() const { return data_; }
   template <class Kernel> void each(const Kernel& kernel, int n) {
-    for (int i = 0; i < n; ++i) kernel(tables(), i);
+    run<Kernel>(n, [&](int i) { kernel(tables(), i); });
   }
   template <class Kernel> void each(const Kernel& kernel, int Counters::*n) {
     each(kernel, tables().counters->*n);
@@ -43,7 +44,8 @@ class PeerDivision final : public WorldDivision {
     each(kernel, tables().oldPairOffset[tables().bodies]);
   }
   template <class Kernel> void eachOf(PeerList list, const Kernel& kernel) {
-    for (const int i : elements(list)) kernel(tables(), i);
+    const int* const index = of(list).index.data();
+    run<Kernel>(of(list).size(), [&](int k) { kernel(tables(), index[k]); });
   }
   template <class Test> void select(PeerList list, const Test& test, int n);
   template <class Test> void select(PeerList list, const Test& test, int Counters::*n) {
@@ -60,29 +62,32 @@ class PeerDivision final : public WorldDivision {
   }
 
  private:
-  struct List {
-    std::vector<int> index;
-    std::vector<int> other;  ///< of these, those that another rank counts, in the same order
-  };
-  /// Adds element `i` of a list; `test` selects it.
-  template <class Test> void add(List& to, const Test& test, int i);
-  const std::vector<int>& elements(PeerList list) const { return lists_[static_cast<int>(list)].index; }
+  using Take = RankLister::Take;
+  /// Calls f(i) for i < n on the threads of this rank. Letters are written one after the other.
+  template <class Kernel, class F> void run(int n, F&& f) {
+    bool posts = false;
+    if constexpr (requires { Kernel::kPosts; }) posts = data_.box;
+    forEachOfMany(n, posts ? 1 : lister_.threads(), f);
+  }
+  RankPart& of(PeerList list) { return lists_[static_cast<int>(list)]; }
+  void listedIn(PeerList list) { listed_[static_cast<int>(list)] = of(list).size(); }
+  /// Does this rank run an element that satisfies a test, and does it count it?
+  template <class Test> Take takeOf(const Test& test, int element) const;
   bool isSeen(int node) const { return node < tables().bodies && data_.isSeen(node); }
   int ownerOfNode(int n) const;
   /// Grows the arrays of this rank to the present sizes.
   void fit();
   void plan();
+  void planAggregates();
   /// If tables have grown since the last barrier: grows what belongs to them, and another barrier, since
   /// others must not store into the old ones.
   void settle();
   void exchangeLetters();
   void passTurn();
   void takeTurn();
-  /// Elements of a list that satisfy a test, as a part; those that this rank counts come first.
-  template <class Test> Part partOf(const List& list, Test&& test);
-  Part partOf(PeerList list);
+  Part partOfHomes(int n);
   Part partOfJoints(PeerJoints kind, int n, int type);
-  template <class Mine> Part partBy(int n, Mine&& mine);
+  template <class Mine> Part partBy(RankPart& list, int n, Mine&& mine);
 
   HostTables& tables_;
   Transport& transport_;
@@ -98,10 +103,14 @@ class PeerDivision final : public WorldDivision {
       extraJoint_[JointTypes::kSize], rowAskers_, jointAskers_[JointTypes::kSize];
   std::vector<LetterBox> out_, in_;  ///< by rank
   std::vector<PeerBox> boxes_;
-  List lists_[kPeerLists];
+  RankLister lister_;
+  RankPart lists_[kPeerLists], jointParts_[kPeerLists];  ///< the second: by part of a joint
   int listed_[kPeerLists] = {};
+  // more lists of this rank; those of the plan begin with the groups
+  RankPart homes_, tested_, levelNodes_;
+  RankGroups colors_, sharedColors_, levelSlices_, levelMoves_, levelAggregates_;
+  RankPart seenAggregates_, treeNodes_, smallTrees_;
   std::vector<int> capacities_;  ///< of the tables at the last barrier
-  std::vector<int> part_, colorList_, spare_;
   bool planned_ = false, activeListed_ = false, summed_ = false, swaps_ = false, atRest_ = true;
   bool hasTurn_ = false;
   int turn_ = 0;  ///< barriers so far

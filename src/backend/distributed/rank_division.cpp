@@ -17,13 +17,9 @@ Division::Part RankDivision::part(Cut cut, int n, int which) {
     case Cut::ActivePairs:
       if (!activeListed_) listActive();
       return active_.part();
-    case Cut::Tested: {
-      // the order of the list does not matter
-      int* const tested = data().tested;
-      int* const middle = std::partition(tested, tested + n,
-                                         [&](int i) { return counts(ownerOfManifold(i)); });
-      return {nullptr, static_cast<int>(middle - tested), n};
-    }
+    case Cut::Tested:
+      lister_.list(tested_, n, [&](int k) { return takeOf(ownerOfManifold(data().tested[k])); });
+      return tested_.part();
     default:
       if (!planned_) plan();
       return planned(cut, n, which);
@@ -32,9 +28,7 @@ Division::Part RankDivision::part(Cut cut, int n, int which) {
 
 Division::Part RankDivision::planned(Cut cut, int n, int which) {
   const SolverData& s = data();
-  const auto all = [](const std::vector<int>& list) {
-    return Part{list.data(), static_cast<int>(list.size()), static_cast<int>(list.size())};
-  };
+  const auto all = [](const RankPart& list) { return Part{list.index.data(), list.size(), list.size()}; };
   switch (cut) {
     case Cut::Rows:
       return all(rows_);
@@ -47,15 +41,15 @@ Division::Part RankDivision::planned(Cut cut, int n, int which) {
       std::fill_n(&s.boundaryCount[0], n, 0);
       return slices_.part();
     case Cut::LevelSlices:
-      return levelSlices_[which].part();
+      return levelSlices_.part(which);
     case Cut::SeenAggregates:
       return all(seenAggregates_);
     case Cut::SeenSlices:
       return all(seenSlices_);
     case Cut::LevelAggregates:
-      return aggregates_[which].part();
+      return levelAggregates_.part(which);
     case Cut::LevelMoves:
-      return moving_[which].part();
+      return movingSlices_.part(which);
     case Cut::Joints:
       return jointPart(joints_[which].all, joints_[which].allParts, n / s.joints[which]);
     case Cut::OwnJoints:
@@ -65,34 +59,31 @@ Division::Part RankDivision::planned(Cut cut, int n, int which) {
     case Cut::SmallTrees:
       return all(smallTrees_);
     default:
-      scratch_.clear();
-      for (int k = 0; k < n; ++k)
-        if (isMine(ownerOfNode(s.levelNode[which + k]))) scratch_.push_back(k);
-      return all(scratch_);
+      lister_.list(levelNodes_, n, [&](int k) {
+        return isMine(ownerOfNode(s.levelNode[which + k])) ? Take::Counted : Take::No;
+      });
+      return levelNodes_.part();
   }
 }
 
 /// `parts`: the elements of `list` with several parts per joint, once they have been listed in a step.
-Division::Part RankDivision::jointPart(RankPart& list, std::vector<int>& parts, int perJoint) {
+Division::Part RankDivision::jointPart(const RankPart& list, RankPart& parts, int perJoint) {
   if (perJoint == 1) return list.part();
-  if (parts.empty())
-    for (const int i : list.index)
-      for (int k = 0; k < perJoint; ++k) parts.push_back(i * perJoint + k);
-  return {parts.data(), list.counted * perJoint, static_cast<int>(parts.size())};
+  if (parts.size() != list.size() * perJoint) lister_.listParts(parts, list, perJoint);
+  return parts.part();
 }
 
 Division::Part RankDivision::color(int color) {
   if (!planned_) plan();
-  return colors_[std::size_t(color)].part();
+  return colors_.part(color);
 }
 
 void RankDivision::listActive() {
   const SolverData& s = data();
   activeListed_ = true;
-  active_.clear();
-  for (int i = 0; i < s.counters->activePairs; ++i)
-    if (pairNear_[std::size_t(s.activePair[i])]) sortIn(active_, others_, i, ownerOfManifold(i));
-  finishList(active_, others_);
+  lister_.list(active_, s.counters->activePairs, [&](int i) {
+    return pairNear_[std::size_t(s.activePair[i])] ? takeOf(ownerOfManifold(i)) : Take::No;
+  });
 }
 
 void RankDivision::share(Share what, int which) {
@@ -147,13 +138,15 @@ void RankDivision::share(Share what, int which) {
 /// Rows of all ranks, as nodes of the graph of constraints.
 void RankDivision::shareRows() {
   const SolverData& s = data();
-  ownRows_.clear();
-  for (int i = 0; i < s.counters->activePairs; ++i) {
-    if (s.hasRows[i] == 0) continue;
-    const OrderedPair o = ordered(s.pair[s.activePair[i]]);
-    s.rowBodies[s.rowOffset[i]] = {o.a, o.b, i};
-    if (pairNear_[std::size_t(s.activePair[i])]) ownRows_.push_back(s.rowOffset[i]);
-  }
+  lister_.list(
+      ownRows_, s.counters->activePairs,
+      [&](int i) {
+        if (s.hasRows[i] == 0) return Take::No;
+        const OrderedPair o = ordered(s.pair[s.activePair[i]]);
+        s.rowBodies[s.rowOffset[i]] = {o.a, o.b, i};
+        return pairNear_[std::size_t(s.activePair[i])] ? Take::Counted : Take::No;
+      },
+      [&](int i) { return s.rowOffset[i]; });
   static_assert(kNoTouch < 16);
   courier_.gatherSmall<4>(s.joinLevel, s.counters->manifolds, [&](int row) { return ownerOfRow(row); });
   if (!s.bounces) return;
@@ -240,9 +233,9 @@ void RankDivision::shareCounts() {
   } own{};
   for (std::size_t k = 0; k < std::size(kCounted); ++k)
     own.sums[k] = std::exchange(s.counters->*kCounted[k], 0);
-  own.rank.bodies = static_cast<int>(own_.index.size());
+  own.rank.bodies = own_.size();
   own.rank.ghosts = static_cast<int>(nodes_.size() + ghosts_.size());
-  own.rank.rows = static_cast<int>(rows_.size());
+  own.rank.rows = rows_.size();
   own.rank.migrated = migrated_;
   reports_.clear();
   for (const Counts& counts : courier_.gatherValue(own)) {

@@ -8,6 +8,7 @@
 #include <rubble/ranks.h>
 
 #include "backend/distributed/rank_lists.h"
+#include "backend/distributed/rank_part.h"
 #include "backend/distributed/world_division.h"
 #include "tables/host_tables.h"
 
@@ -16,19 +17,15 @@ namespace rubble::RUBBLE_CORE {
 /// Owner of bodies that every rank solves: those that touch deformable objects.
 inline constexpr int kEveryRank = -1;
 
-/// A list of elements. The first `counted` count toward the report of a step.
-struct RankPart {
-  std::vector<int> index;
-  int counted = 0;
-  Division::Part part() const { return {index.data(), counted, static_cast<int>(index.size())}; }
-  void clear() { index.clear(), counted = 0; }
-};
-
 class RankDivision final : public WorldDivision {
  public:
-  /// Both must outlive the division.
-  RankDivision(HostTables& tables, Transport& transport, const RankOptions& options)
-      : tables_(tables), transport_(transport), courier_(transport), options_(options) {}
+  /// Both must outlive the division. `threads`: of this rank, which run the calls below.
+  RankDivision(HostTables& tables, Transport& transport, const RankOptions& options, int threads)
+      : tables_(tables),
+        transport_(transport),
+        courier_(transport, threads),
+        options_(options),
+        lister_(threads) {}
 
   Part part(Cut cut, int n, int which) override;
   Part color(int color) override;
@@ -40,6 +37,7 @@ class RankDivision final : public WorldDivision {
 
  private:
   static constexpr int kTypes = JointTypes::kSize;
+  using Take = RankLister::Take;
   /// What a rank has to do with a body.
   enum Seen : std::uint8_t {
     kUnseen,
@@ -53,8 +51,8 @@ class RankDivision final : public WorldDivision {
     std::vector<std::uint8_t> near;  ///< by joint: 1: acts on a body of this rank
     std::vector<int> rankBefore;
     std::vector<std::uint8_t> nearBefore;
-    RankPart own, all;  ///< near joints; these and those of slices
-    std::vector<int> ownParts, allParts;
+    RankPart own, all;            ///< near joints; these and those of slices
+    RankPart ownParts, allParts;  ///< the same by part of a joint; empty until they are needed
   };
 
   const SolverData& data() const { return tables_.view(); }
@@ -63,17 +61,8 @@ class RankDivision final : public WorldDivision {
   bool isMine(int owner) const { return owner == me() || owner == kEveryRank; }
   /// Does this rank count an element of that owner?
   bool counts(int owner) const { return owner == me() || (owner == kEveryRank && me() == 0); }
-  void sortIn(RankPart& list, std::vector<int>& others, int element, int owner) const {
-    if (counts(owner))
-      list.index.push_back(element);
-    else
-      others.push_back(element);
-  }
-  static void finishList(RankPart& list, std::vector<int>& others) {
-    list.counted = static_cast<int>(list.index.size());
-    list.index.insert(list.index.end(), others.begin(), others.end());
-    others.clear();
-  }
+  /// Of an element of this rank.
+  Take takeOf(int owner) const { return counts(owner) ? Take::Counted : Take::Other; }
   /// Owner of a constraint, and whether it acts on a body of this rank.
   template <class Bodies> int ownerOf(const Bodies& bodies) const;
   template <class Bodies> bool actsHere(const Bodies& bodies) const;
@@ -96,6 +85,7 @@ class RankDivision final : public WorldDivision {
   void migrate();
 
   // rank_plan.cpp: what a rank evaluates and sees in the iterations
+  template <class Test> void filter(RankPart& to, const RankPart& from, Test&& test);
   void plan();
   void findOwn();
   void findSlices();
@@ -108,7 +98,7 @@ class RankDivision final : public WorldDivision {
 
   // rank_division.cpp
   Part planned(Cut cut, int n, int which);
-  Part jointPart(RankPart& list, std::vector<int>& parts, int perJoint);
+  Part jointPart(const RankPart& list, RankPart& parts, int perJoint);
   void shareRows();
   void shareBreaks();
   void shareFastPairs();
@@ -140,20 +130,24 @@ class RankDivision final : public WorldDivision {
   int migrated_ = 0;
 
   // plan
+  RankLister lister_;
   bool planned_ = false;
   RankLists bodies_;  ///< moving bodies of each rank, without those that every rank solves
   std::vector<std::uint8_t> seen_;
   RankPart own_;
   std::vector<int> nodes_, ghosts_;  ///< kNode and kGhost
   std::vector<int> sliceOwner_;
-  std::vector<int> extraRows_, ownRows_, rows_;
-  RankPart slices_, levelSlices_[kCoarseLevels], aggregates_[kCoarseLevels], moving_[kCoarseLevels];
-  std::vector<RankPart> colors_;
+  std::vector<std::uint8_t> sliceMoves_, isSeen_;  ///< by slice and by aggregate: 1: a body of it is seen
+  std::vector<int> extraRows_;
+  RankPart ownRows_, rows_;
+  RankPart slices_, borderSlices_;  ///< its slices; those with bodies of other ranks
+  RankPart seenAggregates_, seenSlices_;
+  RankGroups levelSlices_, levelAggregates_, movingSlices_, colors_, ownerBodies_;
   std::vector<RankTraffic> colorPoses_, sliceSums_;
   RankTraffic treePoses_, nodePoses_;
   bool nodesMoved_ = false;  ///< since the last exchange of their poses
-  std::vector<int> seenAggregates_, seenSlices_;
-  std::vector<int> treeNodes_, smallTrees_, scratch_, others_;
+  RankPart treeNodes_, smallTrees_, levelNodes_, tested_, border_;
+  std::vector<int> scratch_;
   std::vector<RankReport> reports_;
 };
 

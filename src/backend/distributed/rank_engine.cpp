@@ -14,13 +14,15 @@ class CpuRank final : public DividedEngine {
  public:
   CpuRank(Transport& transport, const RankOptions& options, const CpuOptions& cpu) : cpu_(cpu) {
     if (options.exchange == RankExchange::Messages)
-      division_ = std::make_unique<RankDivision>(cpu_.tables(), transport, options);
+      division_ = std::make_unique<RankDivision>(cpu_.tables(), transport, options, cpu_.threads());
     else
-      division_ = std::make_unique<PeerDivision>(cpu_.tables(), transport, options);
+      division_ = std::make_unique<PeerDivision>(cpu_.tables(), transport, options, cpu_.threads());
     cpu_.divide(division_.get());
   }
   ObservableEngine& engine() override { return cpu_; }
-  void gatherState() override { division_->gatherState(); }
+  void gatherState() override {
+    cpu_.run([&] { division_->gatherState(); });
+  }
   void sortWhole() override {
     cpu_.divide(nullptr);
     cpu_.sortBodies();

@@ -122,11 +122,11 @@ void RankDivision::findOwners() {
   home_.resize(bodies);
   owner_ = home_;
   moves_.resize(bodies);
-  for (std::size_t i = 0; i < bodies; ++i) {
-    moves_[i] = s.params[i].kind == BodyKind::Dynamic;
+  forEachOfMany(s.bodies, lister_.threads(), [&](int i) {
+    moves_[std::size_t(i)] = s.params[i].kind == BodyKind::Dynamic;
     // columns are solved by every rank
-    if (columnBefore(s, static_cast<int>(i)) != 0) owner_[i] = kEveryRank;
-  }
+    if (columnBefore(s, i) != 0) owner_[std::size_t(i)] = kEveryRank;
+  });
   shareDeformables();
   unifyTrees();
 }
@@ -164,13 +164,12 @@ void RankDivision::classifyPairs() {
   const SolverData& s = data();
   const std::size_t pairs = static_cast<std::size_t>(s.counters->pairs);
   pairOwner_.resize(pairs), pairNear_.resize(pairs);
-  pairs_.clear();
-  for (std::size_t k = 0; k < pairs; ++k) {
-    const int ends[] = {s.pair[k].owner, s.pair[k].other};
+  lister_.list(pairs_, s.counters->pairs, [&](int i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    const int ends[] = {s.pair[i].owner, s.pair[i].other};
     pairOwner_[k] = ownerOf(ends), pairNear_[k] = actsHere(ends);
-    if (pairNear_[k]) sortIn(pairs_, others_, static_cast<int>(k), pairOwner_[k]);
-  }
-  finishList(pairs_, others_);
+    return pairNear_[k] ? takeOf(pairOwner_[k]) : Take::No;
+  });
 }
 
 void RankDivision::classifyJoints() {
@@ -181,13 +180,12 @@ void RankDivision::classifyJoints() {
     const std::size_t n = static_cast<std::size_t>(s.joints[kType]);
     std::swap(joints.rank, joints.rankBefore), std::swap(joints.near, joints.nearBefore);
     joints.rank.resize(n), joints.near.resize(n);
-    joints.own.clear();
-    for (std::size_t i = 0; i < n; ++i) {
-      const auto ends = endsOf<F>(s, static_cast<int>(i));
-      joints.rank[i] = ownerOf(ends), joints.near[i] = actsHere(ends);
-      if (joints.near[i]) sortIn(joints.own, others_, static_cast<int>(i), joints.rank[i]);
-    }
-    finishList(joints.own, others_);
+    lister_.list(joints.own, s.joints[kType], [&](int i) {
+      const std::size_t k = static_cast<std::size_t>(i);
+      const auto ends = endsOf<F>(s, i);
+      joints.rank[k] = ownerOf(ends), joints.near[k] = actsHere(ends);
+      return joints.near[k] ? takeOf(joints.rank[k]) : Take::No;
+    });
   });
 }
 

@@ -18,54 +18,67 @@ void RankDivision::plan() {
   listTrees();
 }
 
+/// The elements of a list that satisfy a test, in its order.
+template <class Test> void RankDivision::filter(RankPart& to, const RankPart& from, Test&& test) {
+  const auto at = [&](int k) { return from.index[std::size_t(k)]; };
+  lister_.list(
+      to, from.size(), [&](int k) { return test(at(k)) ? Take::Counted : Take::No; }, at);
+}
+
 /// The moving bodies of each rank.
 void RankDivision::findOwn() {
   const SolverData& s = data();
-  clearLists(bodies_, ranks());
-  own_.clear();
-  for (int i = 0; i < s.bodies; ++i) {
-    if (!isDynamic(s, i)) continue;
+  lister_.list(own_, s.bodies, [&](int i) {
     const int owner = owner_[std::size_t(i)];
-    if (owner >= 0) bodies_[std::size_t(owner)].push_back(i);
-    if (!isMine(owner)) continue;
+    if (!isMine(owner) || !isDynamic(s, i)) return Take::No;
     seen_[std::size_t(i)] = kOwn;
-    sortIn(own_, others_, i, owner);
+    return takeOf(owner);
+  });
+  lister_.group(ownerBodies_, s.bodies, ranks(),
+                [&](int i) { return isDynamic(s, i) ? owner_[std::size_t(i)] : -1; });
+  bodies_.resize(static_cast<std::size_t>(ranks()));
+  for (int r = 0; r < ranks(); ++r) {
+    const Part part = ownerBodies_.part(r);
+    bodies_[std::size_t(r)].assign(part.index, part.index + part.count);
   }
-  finishList(own_, others_);
 }
 
 /// A slice belongs to the rank that owns most of its bodies. That rank evaluates all of its constraints.
 void RankDivision::findSlices() {
   const SolverData& s = data();
-  slices_.clear();
-  for (RankPart& list : levelSlices_) list.clear();
   const int slices = s.plan.coarseCorrection ? s.counters->slices : 0;
   sliceOwner_.resize(static_cast<std::size_t>(slices));
-  std::vector<int> votes(static_cast<std::size_t>(ranks()));
-  for (int i = 0; i < slices; ++i) {
-    const Slice& slice = s.slice[i];
-    std::ranges::fill(votes, 0);
-    const auto forEachBody = [&](auto&& f) {
-      for (int k = slice.begin; k < slice.end; ++k)
-        if (s.aggregateNode[k] < s.bodies) f(s.aggregateNode[k]);
-    };
-    forEachBody([&](int body) {
-      if (owner_[std::size_t(body)] >= 0) ++votes[std::size_t(owner_[std::size_t(body)])];
-    });
-    const auto most = std::ranges::max_element(votes);
-    const int owner = *most > 0 ? static_cast<int>(most - votes.begin()) : kEveryRank;
-    sliceOwner_[std::size_t(i)] = owner;
-    if (!isMine(owner)) continue;
-    slices_.index.push_back(i);
-    levelSlices_[s.aggregate[slice.aggregate].level].index.push_back(i);
-    forEachBody([&](int body) {
+  const auto forEachBody = [&](int i, auto&& f) {
+    for (int k = s.slice[i].begin; k < s.slice[i].end; ++k)
+      if (s.aggregateNode[k] < s.bodies) f(s.aggregateNode[k]);
+  };
+  forEachOfRanges(
+      slices, rangesFor(slices * kSliceNodes, lister_.threads()), [&](std::size_t, int begin, int end) {
+        std::vector<int> votes(static_cast<std::size_t>(ranks()));
+        for (int i = begin; i < end; ++i) {
+          std::ranges::fill(votes, 0);
+          forEachBody(i, [&](int body) {
+            if (owner_[std::size_t(body)] >= 0) ++votes[std::size_t(owner_[std::size_t(body)])];
+          });
+          const auto most = std::ranges::max_element(votes);
+          sliceOwner_[std::size_t(i)] = *most > 0 ? static_cast<int>(most - votes.begin()) : kEveryRank;
+        }
+      });
+  lister_.list(slices_, slices,
+               [&](int i) { return isMine(sliceOwner_[std::size_t(i)]) ? Take::Counted : Take::No; });
+  lister_.group(levelSlices_, slices_, kCoarseLevels,
+                [&](int i) { return s.aggregate[s.slice[i].aggregate].level; });
+  filter(borderSlices_, slices_, [&](int i) {
+    bool others = false;
+    forEachBody(i, [&](int body) { others |= seen_[std::size_t(body)] == kUnseen; });
+    return others;
+  });
+  for (const int i : borderSlices_.index)
+    forEachBody(i, [&](int body) {
       if (seen_[std::size_t(body)] != kUnseen) return;
       seen_[std::size_t(body)] = kNode;
       nodes_.push_back(body);
     });
-  }
-  slices_.counted = static_cast<int>(slices_.index.size());
-  for (RankPart& list : levelSlices_) list.counted = static_cast<int>(list.index.size());
 }
 
 /// Boundary constraints of own slices that act on no body of this rank. `rows`, `joints`: by owner.
@@ -93,7 +106,7 @@ void RankDivision::findConstraints(RankLists& rows, std::vector<RankLists>& join
       if (!joints_[kType].near[std::size_t(joint)]) extra[kType].push_back(joint);
     });
   };
-  for (const int i : slices_.index) {
+  for (const int i : borderSlices_.index) {
     const Slice& slice = s.slice[i];
     for (int k = slice.begin; k < slice.end; ++k) {
       const int body = s.aggregateNode[k];
@@ -118,21 +131,30 @@ void RankDivision::findConstraints(RankLists& rows, std::vector<RankLists>& join
     parts.ownParts.clear(), parts.allParts.clear();
   }
   rows_ = ownRows_;
-  rows_.insert(rows_.end(), extraRows_.begin(), extraRows_.end());
+  rows_.index.insert(rows_.index.end(), extraRows_.begin(), extraRows_.end());
 }
 
 /// Bodies of other ranks whose poses this rank needs, by owner.
 void RankDivision::findGhosts(RankLists& ghosts, RankLists& nodes) {
   const SolverData& s = data();
   ghosts_.clear();
-  for (const int i : own_.index)
+  const auto forEachGhost = [&](int i, auto&& f) {
     for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) {
       const int other = s.incidence[k].other;
       if (other < 0 || other >= s.bodies) continue;
-      if (Seen(seen_[std::size_t(other)]) != kUnseen && Seen(seen_[std::size_t(other)]) != kNode) continue;
+      if (const Seen seen = Seen(seen_[std::size_t(other)]); seen == kUnseen || seen == kNode) f(other);
+    }
+  };
+  filter(border_, own_, [&](int i) {
+    bool any = false;
+    forEachGhost(i, [&](int) { any = true; });
+    return any;
+  });
+  for (const int i : border_.index)
+    forEachGhost(i, [&](int other) {
       seen_[std::size_t(other)] = kGhost;
       ghosts_.push_back(other);
-    }
+    });
   std::erase_if(nodes_, [&](int i) { return seen_[std::size_t(i)] != kNode; });
   const auto list = [&](std::vector<int>& bodies, RankLists& to) {
     std::ranges::sort(bodies);
@@ -145,36 +167,35 @@ void RankDivision::findGhosts(RankLists& ghosts, RankLists& nodes) {
 /// Aggregates with soft nodes move everywhere.
 void RankDivision::findAggregates(RankLists& slices) {
   const SolverData& s = data();
-  for (int level = 0; level < kCoarseLevels; ++level) aggregates_[level].clear(), moving_[level].clear();
-  seenAggregates_.clear(), seenSlices_.clear();
-  if (sliceOwner_.empty()) return;
-  for (int level = 0; level < kCoarseLevels; ++level) {
-    for (int g = s.levelAggregate[level]; g < s.levelAggregate[level + 1]; ++g) {
-      const Aggregate& aggregate = s.aggregate[g];
-      bool seen = aggregate.soft != 0;
-      for (int i = aggregate.sliceBegin; i < aggregate.sliceEnd; ++i) {
-        const Slice& slice = s.slice[i];
-        const auto isSeen = [&](int k) {
-          const int node = s.aggregateNode[k];
-          return node < s.bodies && seen_[std::size_t(node)] != kUnseen;
-        };
-        bool moves = false;
-        for (int k = slice.begin; k < slice.end && !moves; ++k) moves = isSeen(k);
-        if (moves) moving_[level].index.push_back(i);
-        seen |= moves;
-      }
-      if (!seen) continue;
-      seenAggregates_.push_back(g);
-      sortIn(aggregates_[level], others_, g, sliceOwner_[std::size_t(aggregate.sliceBegin)]);
-      for (int i = aggregate.sliceBegin; i < aggregate.sliceEnd; ++i) {
-        seenSlices_.push_back(i);
-        const int owner = sliceOwner_[std::size_t(i)];
-        if (!isMine(owner)) slices[std::size_t(owner)].push_back(i);
-      }
-    }
-    finishList(aggregates_[level], others_);
-    moving_[level].counted = static_cast<int>(moving_[level].index.size());
-  }
+  const int all = static_cast<int>(sliceOwner_.size());
+  sliceMoves_.resize(sliceOwner_.size());
+  forEachOfMany(all, lister_.threads(), [&](int i) {
+    const int* const nodes = &s.aggregateNode[0];
+    sliceMoves_[std::size_t(i)] = std::any_of(
+        nodes + s.slice[i].begin, nodes + s.slice[i].end,
+        [&](int node) { return node < s.bodies && seen_[std::size_t(node)] != kUnseen; });
+  });
+  const int aggregates = all > 0 ? s.counters->aggregates : 0;
+  isSeen_.resize(static_cast<std::size_t>(aggregates));
+  lister_.list(seenAggregates_, aggregates, [&](int g) {
+    const Aggregate& aggregate = s.aggregate[g];
+    const auto moves = sliceMoves_.begin();
+    const bool seen = aggregate.soft != 0 ||
+                      std::any_of(moves + aggregate.sliceBegin, moves + aggregate.sliceEnd,
+                                  [](std::uint8_t any) { return any != 0; });
+    isSeen_[std::size_t(g)] = seen;
+    return seen ? takeOf(sliceOwner_[std::size_t(aggregate.sliceBegin)]) : Take::No;
+  });
+  lister_.group(levelAggregates_, seenAggregates_, kCoarseLevels,
+                [&](int g) { return s.aggregate[g].level; });
+  lister_.list(seenSlices_, all,
+               [&](int i) { return isSeen_[std::size_t(s.slice[i].aggregate)] ? Take::Counted : Take::No; });
+  lister_.group(movingSlices_, seenSlices_, kCoarseLevels, [&](int i) {
+    return sliceMoves_[std::size_t(i)] ? s.aggregate[s.slice[i].aggregate].level : -1;
+  });
+  for (const int i : seenSlices_.index)
+    if (const int owner = sliceOwner_[std::size_t(i)]; !isMine(owner))
+      slices[std::size_t(owner)].push_back(i);
 }
 
 /// Asks the owners for bodies, rows, slices and joints, and fetches rows and joints as they begin the step.
@@ -224,26 +245,18 @@ void RankDivision::ask() {
 
 void RankDivision::listColors() {
   const SolverData& s = data();
-  colors_.resize(static_cast<std::size_t>(s.counters->colors));
-  for (RankPart& list : colors_) list.clear();
-  const auto list = [&](int begin, int end) {
-    for (int k = begin; k < end; ++k)
-      if (const int i = own_.index[std::size_t(k)]; isSwept(s, i))
-        colors_[std::size_t(s.color[i])].index.push_back(i);
-  };
-  list(0, own_.counted);
-  for (RankPart& color : colors_) color.counted = static_cast<int>(color.index.size());
-  list(own_.counted, static_cast<int>(own_.index.size()));
+  lister_.group(colors_, own_, s.counters->colors, [&](int i) { return isSwept(s, i) ? s.color[i] : -1; });
 }
 
 void RankDivision::listTrees() {
   const SolverData& s = data();
-  treeNodes_.clear(), smallTrees_.clear();
-  for (int n = 0; n < s.treeNodes; ++n)
-    if (s.treeNode[n].body >= 0 && isMine(ownerOfNode(n))) treeNodes_.push_back(n);
-  for (int t = 0; t < s.smallTrees; ++t)
-    if (s.smallTree[t].begin < s.smallTree[t].end && isMine(ownerOfNode(s.smallTree[t].begin)))
-      smallTrees_.push_back(t);
+  lister_.list(treeNodes_, s.treeNodes, [&](int n) {
+    return s.treeNode[n].body >= 0 && isMine(ownerOfNode(n)) ? Take::Counted : Take::No;
+  });
+  lister_.list(smallTrees_, s.smallTrees, [&](int t) {
+    const int begin = s.smallTree[t].begin;
+    return begin < s.smallTree[t].end && isMine(ownerOfNode(begin)) ? Take::Counted : Take::No;
+  });
 }
 
 }  // namespace rubble::RUBBLE_CORE

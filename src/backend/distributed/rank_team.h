@@ -119,7 +119,7 @@ class RankTeam final : public Engine {
     return first([&](RankEngine& e) { return e.snapshot(); });
   }
   void restore(const EngineSnapshot& snapshot) override {
-    each([&](Engine& e) { e.restore(snapshot); });
+    together([&](Engine& e) { e.restore(snapshot); });
   }
 
   RankEngine& rank(int r) { return *ranks_[static_cast<std::size_t>(r)]; }

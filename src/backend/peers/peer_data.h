@@ -6,10 +6,21 @@
 /// store, except where they store what is there already (peer_phases.h names the reason at each exchange).
 /// Where the memory of another rank is out of reach, the stores are letters (peer_letters.h), which the
 /// barrier brings.
+#include <atomic>
+#include <type_traits>
+
 #include "backend/division.h"
 #include "backend/peers/peer_letters.h"
 
 namespace rubble::RUBBLE_CORE {
+
+/// flag = value, where several threads may set a flag to the same value.
+template <class T> RUBBLE_HD void mark(T& flag, std::type_identity_t<T> value = 1) {
+  if constexpr (RUBBLE_DEVICE_CODE)
+    flag = value;
+  else
+    std::atomic_ref<T>(flag).store(value, std::memory_order_relaxed);
+}
 
 /// A body has a bit for each rank that sees it.
 inline constexpr int kMostPeers = 32;
@@ -126,7 +137,7 @@ struct PeerData {
   std::uint8_t* jointAskers[JointTypes::kSize] = {};  ///< [joints][ranks] the same
   PeerSums* sums = nullptr;                           ///< [ranks]
   PeerBox* box = nullptr;      ///< [ranks] letters to each rank; null: ranks reach one another's memory
-  int* list[kPeerLists] = {};  ///< indices; on CPUs ascending
+  int* list[kPeerLists] = {};  ///< indices, on a device
   int* listed = nullptr;       ///< [lists] how many
 
   RUBBLE_HD bool isMine(int body) const { return body == rank || body == kEveryPeer; }

@@ -18,7 +18,7 @@ struct PeerPost : PeerKernel {
 
 /// This rank needs the pose of a body, or of those of a constraint.
 RUBBLE_HD inline void see(const SolverData& s, const PeerData& p, int body) {
-  if (body >= 0 && body < s.bodies && !p.isMine(p.owner[body])) p.sightOf(p.rank, body) = 1;
+  if (body >= 0 && body < s.bodies && !p.isMine(p.owner[body])) mark(p.sightOf(p.rank, body));
 }
 RUBBLE_HD inline void see(const SolverData& s, const PeerData& p, const PeerEnds& ends) {
   for (int k = 0; k < ends.count; ++k) see(s, p, ends.body[k]);
@@ -187,7 +187,7 @@ struct SeeSlices : PeerKernel {
       const int row = constraintIndex(code);
       const PeerEnds ends = endsOfRow(s, row);
       see(s, p, ends);
-      if (!actsHere(p, ends)) p.extraRow[row] = 1;
+      if (!actsHere(p, ends)) mark(p.extraRow[row]);
       return;
     }
     forEachType(JointTypes{}, [&]<class F>() {
@@ -195,7 +195,7 @@ struct SeeSlices : PeerKernel {
       if (constraintType(code) != kType + 1) return;
       const PeerEnds ends = endsOfJoint<F>(s, jointIndex<F>(code));
       see(s, p, ends);
-      if (!actsHere(p, ends)) p.extraJoint[kType][jointIndex<F>(code)] = 1;
+      if (!actsHere(p, ends)) mark(p.extraJoint[kType][jointIndex<F>(code)]);
     });
   }
 };
@@ -284,8 +284,8 @@ struct BeginAggregateSight : PeerKernel {
 /// By slice: this rank or another one has its sum.
 struct MixSlices : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (p.isMine(p.sliceOwner[i])) p.sees[s.slice[i].aggregate] = 1;
-    if (p.sliceOwner[i] != p.rank) p.mixed[s.slice[i].aggregate] = 1;
+    if (p.isMine(p.sliceOwner[i])) mark(p.sees[s.slice[i].aggregate]);
+    if (p.sliceOwner[i] != p.rank) mark(p.mixed[s.slice[i].aggregate]);
   }
 };
 /// Ghosts and shared bodies. The owner of a slice sees its bodies, so all other own bodies lie in own slices.
@@ -295,8 +295,8 @@ struct SeeAggregates : PeerKernel {
     for (int level = 0; level < kCoarseLevels; ++level) {
       const int aggregate = s.aggregateOf[atLevel(s, level, body)];
       if (aggregate < 0) continue;
-      p.sees[aggregate] = 1;
-      if (mixed) p.mixed[aggregate] = 1;
+      mark(p.sees[aggregate]);
+      if (mixed) mark(p.mixed[aggregate]);
     }
   }
 };
@@ -422,26 +422,21 @@ struct TakeBreaks : PeerKernel {
     for (int r = 0; r < p.ranks; ++r) s.counters->broken += p.sums[r].broken;
   }
 };
-/// Near active pairs: those that this rank counts, or with `others` those that another rank does.
+/// Near active pairs that another rank counts, where the counters of the step have them.
 struct CountContacts : PeerKernel {
-  bool others;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.hasRows[i] == 0 || p.counts(NearActivePair{p}.ownerOf(s, i)) == others) return;
+    if (s.hasRows[i] == 0 || p.counts(NearActivePair{p}.ownerOf(s, i))) return;
     const Manifold& m = s.manifold[i];
     atomicCount(&p.sums[p.rank].contacts, countPoints(m.activePoints));
     if (m.recycled) atomicCount(&p.sums[p.rank].recycled, 1);
   }
 };
-/// Ends the part of this rank. `countsNear`: the counters of the step have all near contacts; then
-/// CountContacts counted those of others.
+/// Ends the part of this rank. What CountContacts counted is of others.
 struct CountPart : PeerKernel {
-  bool countsNear;
   RUBBLE_HD void operator()(const SolverData& s, int) const {
     PeerSums& own = p.sums[p.rank];
-    if (countsNear) {
-      own.contacts = s.counters->contacts - own.contacts;
-      own.recycled = s.counters->recycled - own.recycled;
-    }
+    own.contacts = s.counters->contacts - own.contacts;
+    own.recycled = s.counters->recycled - own.recycled;
     own.failedSolves = s.counters->failedSolves, own.boundedSteps = s.counters->boundedSteps;
     own.bodies = p.listed[static_cast<int>(PeerList::Bodies)];
     own.ghosts = p.listed[static_cast<int>(PeerList::Ghosts)];

@@ -75,7 +75,7 @@ struct ShareAttachedBodies {
   static constexpr const char* kStage = "owners";
   PeerData p;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    if (const int body = s.attachment[k].body; body >= 0 && body < s.bodies) p.owner[body] = kEveryPeer;
+    if (const int body = s.attachment[k].body; body >= 0 && body < s.bodies) mark(p.owner[body], kEveryPeer);
   }
 };
 struct ShareTouchedBodies {
@@ -84,24 +84,25 @@ struct ShareTouchedBodies {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const PointPair& pair = s.pointPair[k];
     if (pair.other < kVertexNode && pair.other >= 0 && pair.other < s.bodies)
-      p.owner[pair.other] = kEveryPeer;
-    if (pair.vertex >= s.vertices + s.edges) p.owner[bodyOfOwner(s, pair.vertex)] = kEveryPeer;
+      mark(p.owner[pair.other], kEveryPeer);
+    if (pair.vertex >= s.vertices + s.edges) mark(p.owner[bodyOfOwner(s, pair.vertex)], kEveryPeer);
   }
 };
-/// All bodies of a joint tree have one owner.
+/// All bodies of a joint tree have one owner, that of its root. By node, without roots.
 struct ShareTrees {
   static constexpr const char* kStage = "owners";
   PeerData p;
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
-    if (const TreeNode& node = s.treeNode[n]; node.body >= 0 && p.owner[node.body] == kEveryPeer)
-      p.owner[s.treeNode[node.tree].body] = kEveryPeer;
+    if (const TreeNode& node = s.treeNode[n];
+        node.tree != n && node.body >= 0 && p.owner[node.body] == kEveryPeer)
+      mark(p.owner[s.treeNode[node.tree].body], kEveryPeer);
   }
 };
 struct UnifyTrees {
   static constexpr const char* kStage = "owners";
   PeerData p;
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
-    if (const TreeNode& node = s.treeNode[n]; node.body >= 0)
+    if (const TreeNode& node = s.treeNode[n]; node.tree != n && node.body >= 0)
       p.owner[node.body] = p.owner[s.treeNode[node.tree].body];
   }
 };
@@ -109,7 +110,7 @@ struct CompareOwners {
   static constexpr const char* kStage = "owners";
   PeerData p;
   RUBBLE_HD void operator()(const SolverData&, int i) const {
-    if (p.owner[i] != p.ownerBefore[i] || p.moves[i] != p.movesBefore[i]) p.cut->changed = 1;
+    if (p.owner[i] != p.ownerBefore[i] || p.moves[i] != p.movesBefore[i]) mark(p.cut->changed);
   }
 };
 

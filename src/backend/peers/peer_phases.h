@@ -89,7 +89,7 @@ template <class M> void listActivePairs(M& m) {
   m.selectOf(PeerList::ActivePairs, PeerList::Pairs, NearActivePair{m.data()});
 }
 template <class M> void shareTouches(M& m) {
-  m.eachOf(PeerList::ActivePairs, CountContacts{{m.data()}, M::kCountsNear});
+  if constexpr (M::kCountsNear) m.eachOf(PeerList::ActivePairs, CountContacts{{m.data()}});
   m.eachOf(PeerList::ActivePairs, ShareTouches{{{m.data()}}});
   m.barrier();
 }
@@ -215,7 +215,7 @@ template <class M> void shareProjections(M& m) {
 /// Ends a step.
 template <class M> void shareCounts(M& m) {
   const PeerData p = m.data();
-  m.each(CountPart{{p}, M::kCountsNear}, 1);
+  m.each(CountPart{{p}}, 1);
   m.each(ShareSumsOfStep{{{p}}}, 1);
   m.barrier();
   m.each(TakeCounts{{p}}, 1);
