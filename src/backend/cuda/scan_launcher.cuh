@@ -63,8 +63,10 @@ class ScanLauncher : protected KernelLauncher {
     grouped_ = std::max(grouped_, n), keyBits_ = std::max(keyBits_, keyBits);
     if (!begins()) return;
     if (n > 0) {
+      beside_ = true;  // nothing else uses them
       launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().nodes()}, {n, nullptr}, n,
              "indices");
+      beside_ = false;
       std::size_t bytes = scratch_.size();
       sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n, keyBits);
       afterKernel_ = false;
