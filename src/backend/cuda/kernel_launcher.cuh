@@ -82,6 +82,7 @@ class KernelLauncher {
 
   void announce(const char* stage, std::string_view kernel) {
     if (!observer_ || operation_ < options_.from) return;
+    flush();
     Control control;
     checkCuda(cudaMemcpyAsync(&control, control_, sizeof control, cudaMemcpyDeviceToHost, stream_),
               "cudaMemcpyAsync");
