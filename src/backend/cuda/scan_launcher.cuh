@@ -110,9 +110,9 @@ class ScanLauncher : protected KernelLauncher {
     const int first = tiles_, count = scanTilesFor(in.limit);
     tiles_ += count;
     if (!begins()) return;
-    if (sizeof(Control) + sizeof(ScanWord) * static_cast<std::size_t>(tiles_) > clearedBytes_)
+    if (kFirstCleared + sizeof(ScanWord) * static_cast<std::size_t>(tiles_) > clearedBytes_)
       throw std::logic_error("CudaExecutor: a scan for which there is no scratch memory");
-    ScanWord* const tiles = reinterpret_cast<ScanWord*>(control_ + 1) + first;
+    ScanWord* const tiles = reinterpret_cast<ScanWord*>(cleared_.data() + kFirstCleared) + first;
     RoomCheck check = total();
     const bool stores = check.counter != nullptr;
     if (!stores && clears_.count == 0) check = std::exchange(check_, {});
@@ -130,7 +130,7 @@ class ScanLauncher : protected KernelLauncher {
   DeviceBuffer scratch_, sortedKeys_, indices_;
   int grouped_ = 0, keyBits_ = 0;  ///< of the largest groupByKey() of this step [elements, bits]
   int tiles_ = 0;                  ///< of all scans of this step so far
-  static_assert(sizeof(Control) % alignof(ScanWord) == 0);
+  static_assert(kFirstCleared % alignof(ScanWord) == 0);
 };
 
 }  // namespace rubble::RUBBLE_CORE
