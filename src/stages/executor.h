@@ -107,9 +107,11 @@ concept Executor = requires(E e, const E& still, const SolveBody<typename E::Lan
 };
 
 /// Runs a kernel over the joints of all types, which are independent of one another. The element is a joint,
-/// or one of its `kPerJoint` parts if the kernel declares that constant (joints/joints.h).
-template <template <class> class Kernel, Executor E, class... Args> void forEachJoint(E& e, Args... args) {
-  bool first = true;
+/// or one of its `kPerJoint` parts if the kernel declares that constant (joints/joints.h). `when`: after the
+/// preceding kernel or beside it.
+template <template <class> class Kernel, When when = When::Next, Executor E, class... Args>
+void forEachJoint(E& e, Args... args) {
+  bool first = when == When::Next;
   forEachType(JointTypes{}, [&]<class F>() {
     int elements = e.view().joints[typeIndex<F>(JointTypes{})];
     if constexpr (requires { Kernel<F>::kPerJoint; }) elements *= Kernel<F>::kPerJoint;

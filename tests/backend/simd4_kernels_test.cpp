@@ -138,8 +138,9 @@ TEST(JointSweep, OneCodeForAllTypesAboutAPointHasTheBitsOfThatOfEach) {
     for (int i = 1; i < s.bodies; ++i) {
       const Block6 own = sumOfRows(
           s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJoint(v, code, to); });
-      const Block6 alike = sumOfRows(
-          s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJointUniform(v, code, to); });
+      const Block6 alike = sumOfRows(s, i, [](const SolverData& v, std::uint32_t code, Block6& to) {
+        addJointUniform(v, code, to, [&](Block6& others) { addJoint(v, code, others); });
+      });
       ASSERT_EQ(std::memcmp(&own, &alike, sizeof own), 0) << n << " " << i;
       ASSERT_GT(length(own.fl) + length(own.fa), 0) << n << " " << i;
     }

@@ -7,7 +7,8 @@ namespace rubble::RUBBLE_CORE {
 
 /// Colors counted in shared memory. Nodes of higher colors are few and counted one by one.
 inline constexpr int kSharedColors = 64;
-inline constexpr int kNodesPerThread = 8;
+/// Few: a node takes four dependent reads, and those of one thread follow one another.
+inline constexpr int kNodesPerThread = 2;
 inline constexpr int kColorNodes = kThreads * kNodesPerThread;
 /// Classes of nodes within a color by amount of work, most first.
 inline constexpr int kWorkClasses = 4, kColorBins = kSharedColors * kWorkClasses;

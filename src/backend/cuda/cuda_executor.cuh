@@ -290,9 +290,11 @@ class CudaExecutor : private ScanLauncher {
       });
     if (!begins()) return;
     enterStage(Take::Kernel::kStage);
+    static_assert(sizeof...(Others) < kMostPhases);
+    int phase = 0;
     launchTogether("rounds", runRounds<decltype(onGrid(take)), decltype(onGrid(others))...>, view(),
                    counter(of.left), counter(of.turn), of.most, Gate{control_}, onGrid(take),
-                   onGrid(others)...);
+                   onGrid(others, ++phase)...);
   }
 
   /// One launch for each of the first colors, and one for all others.

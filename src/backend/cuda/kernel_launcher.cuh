@@ -60,7 +60,7 @@ class KernelLauncher {
 
   /// The memory that clearControl() clears: the control, and bytes that follow it.
   void reserveCleared(std::size_t bytes) {
-    clearedBytes_ = sizeof(Control) + bytes;
+    clearedBytes_ = kFirstCleared + bytes;
     cleared_.reserve(clearedBytes_);
     control_ = reinterpret_cast<Control*>(cleared_.data());
   }
@@ -82,6 +82,7 @@ class KernelLauncher {
 
   void announce(const char* stage, std::string_view kernel) {
     if (!observer_ || operation_ < options_.from) return;
+    flush();
     Control control;
     checkCuda(cudaMemcpyAsync(&control, control_, sizeof control, cudaMemcpyDeviceToHost, stream_),
               "cudaMemcpyAsync");
@@ -228,12 +229,16 @@ class KernelLauncher {
 
   Count countOf(int n) const { return {n, nullptr}; }
   Count countOf(int Counters::*c) const { return {0, counter(c)}; }
-  template <class P> GridPhase<typename P::Kernel, P::kWhen> onGrid(const P& phase) const {
-    return {{phase.kernel}, countOf(phase.count)};
+  /// `number`: of the phase among those of a launch.
+  template <class P> GridPhase<typename P::Kernel, P::kWhen> onGrid(const P& phase, int number = 0) const {
+    return {{phase.kernel}, countOf(phase.count), reinterpret_cast<int*>(control_ + 1) + number};
   }
 
   DeviceTables& tables_;
   cudaStream_t stream_;
+  /// In cleared_: the control, and what phases of a cooperative launch have claimed.
+  static constexpr int kMostPhases = 12;
+  static constexpr std::size_t kFirstCleared = sizeof(Control) + kMostPhases * sizeof(int);
   DeviceBuffer cleared_;
   std::size_t clearedBytes_ = 0;
   Control* control_ = nullptr;  ///< first in cleared_

@@ -202,17 +202,43 @@ static __global__ void __launch_bounds__(kThreads)
   if (thread == 0 && check.counter) checkRoom(control, *check.counter, check.room);
 }
 
-/// How all threads of a grid share the n elements of a kernel.
+/// How all threads of a grid share the n elements of a kernel. `claimed`: counter of the phase, zero before
+/// it.
 template <class Kernel> struct OnGrid {
   Kernel kernel;
-  __device__ void operator()(const SolverData& s, int n) const {
+  __device__ void operator()(const SolverData& s, int n, int* claimed) const {
     runStrided(s, kernel, n, [](int k) { return k; });
+  }
+};
+/// share(begin, end) for ranges of n elements, each claimed by a warp when it has time: elements differ much
+/// in cost.
+template <class Share> __device__ void shareClaimed(int n, int range, int* claimed, Share&& share) {
+  const Tile<kWarp> tile = Tile<kWarp>::ofThread();
+  for (;;) {
+    int begin = 0;
+    if (tile.lane == 0) begin = atomicAdd(claimed, range);
+    begin = __shfl_sync(tile.mask, begin, 0);
+    if (begin >= n) return;
+    share(begin, min(begin + range, n));
+  }
+}
+/// One element per lane.
+template <class Kernel> struct ClaimedOnGrid {
+  Kernel kernel;
+  __device__ void operator()(const SolverData& s, int n, int* claimed) const {
+    constexpr int kRangesPerWarp = 8;
+    const int warps = static_cast<int>(gridDim.x * blockDim.x) / kWarp,
+              range = kWarp * max(n / (kWarp * kRangesPerWarp * warps), 1);
+    shareClaimed(n, range, claimed, [&](int begin, int end) {
+      for (int k = begin + static_cast<int>(threadIdx.x) % kWarp; k < end; k += kWarp) kernel(s, k);
+    });
   }
 };
 template <class Kernel, When kW> struct GridPhase {
   OnGrid<Kernel> kernel;
   Count count;
-  __device__ void run(const SolverData& s) const { kernel(s, count.get()); }
+  int* claimed;
+  __device__ void run(const SolverData& s) const { kernel(s, count.get(), claimed); }
   /// In a round, or at the end, if the phase belongs there.
   template <bool atEnd>
   __device__ void runIn(const SolverData& s, const cooperative_groups::grid_group& grid) const {
@@ -221,6 +247,7 @@ template <class Kernel, When kW> struct GridPhase {
       run(s);
     }
   }
+  __device__ void begin() const { *claimed = 0; }
 };
 
 /// Rounds of phases until one leaves *left at zero. Cooperative: all blocks of the grid are resident.
@@ -235,7 +262,7 @@ __global__ void __launch_bounds__(kGridThreads)
   for (; round < most && *static_cast<volatile int*>(left) != 0; ++round) {
     take.run(s);
     grid.sync();
-    if (grid.thread_rank() == 0) *left = 0, *turn = round + 1;
+    if (grid.thread_rank() == 0) *left = 0, *turn = round + 1, (others.begin(), ...);
     (others.template runIn<false>(s, grid), ...);
     grid.sync();
   }

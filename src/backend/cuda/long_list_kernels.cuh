@@ -175,7 +175,7 @@ struct ProposeColorsByWarp {
 };
 template <> struct OnGrid<ProposeColors> {
   ProposeColors kernel;
-  __device__ void operator()(const SolverData& s, int n) const {
+  __device__ void operator()(const SolverData& s, int n, int*) const {
     runStrided(s, ProposeColorsByWarp{kernel, n}, warpsFor(n), [](int k) { return k; });
   }
 };

@@ -48,7 +48,7 @@ class SweepsOfWarp {
     if (const int k = atomicAdd(&list_.count, 1); k < kMost)
       list_.body[k] = other;
     else
-      sweep(other);
+      sweepNow(other, sweep);
   }
   template <class Sweep> __device__ void finish(Sweep&& sweep) const {
     __syncwarp(tile_.mask);
@@ -62,6 +62,10 @@ class SweepsOfWarp {
 
  private:
   static constexpr int kMost = 127;
+  /// Not inlined: rare.
+  template <class Sweep> __device__ __noinline__ static void sweepNow(int other, const Sweep& sweep) {
+    sweep(other);
+  }
   struct List {
     int count, body[kMost];
   };
@@ -83,10 +87,13 @@ struct FindUnpairedImpactsByWarp {
 };
 template <> struct OnGrid<FindUnpairedImpacts> {
   FindUnpairedImpacts kernel;
-  __device__ void operator()(const SolverData& s, int n) const {
-    runStrided(s, FindUnpairedImpactsByWarp{kernel}, n, [](int k) { return k; });
+  __device__ void operator()(const SolverData& s, int n, int* claimed) const {
+    shareClaimed(n, 1, claimed,
+                 [&](int k, int) { FindUnpairedImpactsByWarp{kernel}(s, k, Tile<kWarp>::ofThread()); });
   }
 };
+template <> struct OnGrid<FindImpacts> : ClaimedOnGrid<FindImpacts> {};
+template <> struct OnGrid<FindGeneralImpacts> : ClaimedOnGrid<FindGeneralImpacts> {};
 
 /// One lane per neighbor, for worlds without shapes of several parts.
 template <int kTile> struct FindPairsByTile {

@@ -86,15 +86,25 @@ __device__ inline bool hasExtraRows(const SolverData& s, int body) {
   return end > s.incidenceOffset[body] &&
          (s.rolls || constraintType(s.incidence[end - 1].code) != kContactType);
 }
+static __device__ __noinline__ void addJointOutOfLine(const SolverData& s, std::uint32_t code, Block6* sum) {
+  addJoint(s, code, *sum);
+}
 /// Adds this lane's share (of `width`) of these constraints, starting at the joints. Not inlined, as above.
+/// The sums stay in registers.
 static __device__ __noinline__ void addExtraRowsUniform(const SolverData& s, int body, int lane, int width,
                                                         Block6* sum) {
   const int begin = s.incidenceOffset[body], end = s.incidenceOffset[body + 1];
+  Block6 own = *sum;
   for (int k = end - 1 - lane; k >= begin; k -= width) {
     const std::uint32_t code = s.incidence[k].code;
     if (constraintType(code) == kContactType) break;
-    addJointUniform(s, code, *sum);
+    addJointUniform(s, code, own, [&](Block6& block) {
+      Block6 others = block;
+      addJointOutOfLine(s, code, &others);
+      block = others;
+    });
   }
+  *sum = own;
   if (s.rolls) addRollingOutOfLine(s, begin + lane, end, width, sum);
 }
 

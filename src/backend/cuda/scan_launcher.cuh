@@ -63,8 +63,10 @@ class ScanLauncher : protected KernelLauncher {
     grouped_ = std::max(grouped_, n), keyBits_ = std::max(keyBits_, keyBits);
     if (!begins()) return;
     if (n > 0) {
+      beside_ = true;  // nothing else uses them
       launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().nodes()}, {n, nullptr}, n,
              "indices");
+      beside_ = false;
       std::size_t bytes = scratch_.size();
       sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n, keyBits);
       afterKernel_ = false;
@@ -108,9 +110,9 @@ class ScanLauncher : protected KernelLauncher {
     const int first = tiles_, count = scanTilesFor(in.limit);
     tiles_ += count;
     if (!begins()) return;
-    if (sizeof(Control) + sizeof(ScanWord) * static_cast<std::size_t>(tiles_) > clearedBytes_)
+    if (kFirstCleared + sizeof(ScanWord) * static_cast<std::size_t>(tiles_) > clearedBytes_)
       throw std::logic_error("CudaExecutor: a scan for which there is no scratch memory");
-    ScanWord* const tiles = reinterpret_cast<ScanWord*>(control_ + 1) + first;
+    ScanWord* const tiles = reinterpret_cast<ScanWord*>(cleared_.data() + kFirstCleared) + first;
     RoomCheck check = total();
     const bool stores = check.counter != nullptr;
     if (!stores && clears_.count == 0) check = std::exchange(check_, {});
@@ -128,7 +130,7 @@ class ScanLauncher : protected KernelLauncher {
   DeviceBuffer scratch_, sortedKeys_, indices_;
   int grouped_ = 0, keyBits_ = 0;  ///< of the largest groupByKey() of this step [elements, bits]
   int tiles_ = 0;                  ///< of all scans of this step so far
-  static_assert(sizeof(Control) % alignof(ScanWord) == 0);
+  static_assert(kFirstCleared % alignof(ScanWord) == 0);
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -246,16 +246,13 @@ RUBBLE_HD inline void addJoint(const SolverData& s, std::uint32_t code, Block6& 
   if (constraintType(code) > JointTypes::kSize) addSoftRows(s, code, block);
 }
 /// The same with one code path for all anchored joints: lanes of a warp with different joint types stay
-/// converged and issue their loads together.
-RUBBLE_HD RUBBLE_OUT_OF_LINE inline void addPivot(const SolverData& s, const Pivot& pivot, int side,
-                                                  Block6& block) {
-  accumulatePivotOfBody<true>(s, pivot, side, block, [](int) { return Vec3{0, 0, 0}; });
-}
-RUBBLE_HD inline void addJointUniform(const SolverData& s, std::uint32_t code, Block6& block) {
+/// converged and issue their loads together. addOther(block) adds any other constraint.
+template <class AddOther>
+RUBBLE_HD void addJointUniform(const SolverData& s, std::uint32_t code, Block6& block, AddOther&& addOther) {
   if (Pivot pivot; findPivot(s, code, pivot))
-    addPivot(s, pivot, constraintSide(code), block);
+    accumulatePivotOfBody<true>(s, pivot, constraintSide(code), block, [](int) { return Vec3{0, 0, 0}; });
   else
-    addJoint(s, code, block);
+    addOther(block);
 }
 
 template <class L> RUBBLE_HD L squaredStep(const Vec3T<L>& to, const Vec3T<L>& from) {

@@ -10,7 +10,7 @@ namespace rubble::RUBBLE_CORE::bodies {
 template <Executor E> void clear(E& e) { e.clear(&SolverData::incidenceCount, e.view().bodies); }
 
 /// Inertial targets and initial guesses.
-template <Executor E> void predict(E& e) { e.forEach(PredictBodies{}, e.view().bodies); }
+template <Executor E> void predict(E& e) { e.beside(PredictBodies{}, e.view().bodies); }
 
 /// The incidence list of each body.
 template <Executor E> void findIncidence(E& e) {

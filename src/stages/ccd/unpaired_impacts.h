@@ -154,8 +154,8 @@ struct FindUnpairedImpacts {
     return !isPrimitivePair(s, i, other) || !arePartners(s, i, other);
   }
   /// Fraction of its motion after which body i meets `other`.
-  RUBBLE_HD RUBBLE_OUT_OF_LINE static double timeOfImpactWithBody(const SolverData& s, int i,
-                                                                  const SweptMotion& motion, int other) {
+  RUBBLE_HD static double timeOfImpactWithBody(const SolverData& s, int i, const SweptMotion& motion,
+                                               int other) {
     const ShapeData &own = s.params[i].shape, &its = s.params[other].shape;
     const bool surface = isSurface(own.kind) || isSurface(its.kind);
     const int ownParts = parts::count(s, own), itsParts = parts::count(s, its);

@@ -208,7 +208,7 @@ RUBBLE_HD inline void addBoundaryJoint(const SolverData& s, int aggregate, std::
   });
   addBoundarySoftRows(s, aggregate, code, sum);
 }
-/// As addPivot.
+/// An anchored joint, whatever its type.
 RUBBLE_HD RUBBLE_OUT_OF_LINE inline void addBoundaryPivot(const SolverData& s, int aggregate,
                                                           const Pivot& pivot, int side, Block6& sum) {
   accumulatePivotOfBody<false>(s, pivot, side, sum,

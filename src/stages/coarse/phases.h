@@ -25,7 +25,7 @@ template <Executor E> void findAggregates(E& e) {
   if (!s.plan.coarseCorrection) return;
   const int nodes = s.nodes(), all = nodes * kCoarseLevels;
   const bool softNodes = s.softNodes > 0;
-  e.forEach(StartAggregates{}, nodes);
+  e.beside(StartAggregates{}, nodes);
   if (softNodes) forEachSoftBlock<FindJoinLevels>(e);
   for (int level = 0; level < kCoarseLevels; ++level) {
     e.forEach(JoinAggregates<ContactBlocks>{level}, &Counters::manifolds);

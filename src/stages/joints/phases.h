@@ -10,7 +10,8 @@ template <Executor E> void prepare(E& e) { forEachJoint<BeginJoints>(e); }
 /// Linearizes the angular rows at the present iterate.
 template <Executor E> void linearize(E& e) { forEachJoint<LinearizeAngularRows>(e); }
 
-template <Executor E> void updateDuals(E& e) { forEachJoint<UpdateJointDuals>(e); }
+/// Multipliers. No kernel between the sweep and this one changes what joints read.
+template <Executor E> void updateDuals(E& e) { forEachJoint<UpdateJointDuals, When::Beside>(e); }
 
 /// Breaks joints whose load exceeds their strength.
 template <Executor E> void finish(E& e) { forEachJoint<FinishJoints>(e); }
