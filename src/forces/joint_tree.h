@@ -51,6 +51,10 @@ template <int kSides> struct alignas(2 * sizeof(double)) TreePart {
     TreeRow<kSides>& next = row[count++];
     next.force = force, next.hessian = hessian, next.take = take;
   }
+  /// Of what is used: all before the rows, and `count` rows.
+  RUBBLE_HD std::size_t bytes() const {
+    return count == 0 ? 0 : sizeof *this - static_cast<std::size_t>(kMostTreeRows - count) * sizeof row[0];
+  }
 };
 template <class F> struct TreeRows {
   TreePart<kSides<F>> part[F::Parts::kCount];

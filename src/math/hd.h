@@ -84,15 +84,20 @@ template <class T> RUBBLE_HD RUBBLE_NEAR T loadVectorized(const T& from) {
   memcpy(static_cast<void*>(&to), quads, sizeof to);
   return to;
 }
-/// fill(object) fills it and returns whether to write it.
-template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) {
+/// fill(object) fills it and returns how many of its first bytes to write.
+template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeFirstBytes(T& to, Fill&& fill) {
   static_assert(alignof(T) % sizeof(int4) == 0);
   T own;
-  if (!fill(own)) return;
+  const std::size_t bytes = fill(own);
   Quads<T> quads;
   memcpy(quads, static_cast<const void*>(&own), sizeof own);
   RUBBLE_UNROLL
-  for (std::size_t k = 0; k < sizeof(T) / sizeof(int4); ++k) reinterpret_cast<int4*>(&to)[k] = quads[k];
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(int4); ++k)
+    if (k * sizeof(int4) < bytes) reinterpret_cast<int4*>(&to)[k] = quads[k];
+}
+/// fill(object) fills it and returns whether to write it.
+template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) {
+  storeFirstBytes(to, [&](T& own) { return fill(own) ? sizeof own : 0; });
 }
 /// change(object) changes it and returns whether to write it.
 template <class T, class Change> RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) {
@@ -116,6 +121,7 @@ template <class T> RUBBLE_HD RUBBLE_NEAR T loadUnchanging(const T& from) {
 #else
 template <class T> RUBBLE_HD RUBBLE_NEAR const T& loadVectorized(const T& from) { return from; }
 template <class T> RUBBLE_HD RUBBLE_NEAR const T& loadUnchanging(const T& from) { return from; }
+template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeFirstBytes(T& to, Fill&& fill) { fill(to); }
 template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) { fill(to); }
 template <class T, class Change> RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) {
   change(object);

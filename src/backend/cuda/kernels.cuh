@@ -63,7 +63,7 @@ struct Count {
   int fixed;                  ///< added to the counted number
   const int* counted;         ///< device counter, or null
   const int* list = nullptr;  ///< the elements, if they are not the first ones
-  int parts = 1;              ///< of each listed joint; the elements are all first parts, all second ones ...
+  int parts = 1;              ///< of each listed joint; the elements are those of partInGroups()
   int joints = 0;             ///< number of joints, listed or not
   __device__ int get() const { return (counted ? *counted + fixed : fixed) * parts; }
 };
@@ -72,8 +72,11 @@ template <class Kernel>
 inline constexpr bool kHasJointParts = Divided<Kernel>::kCut == Cut::Joints ||
                                        Divided<Kernel>::kCut == Cut::OwnJoints;
 template <class Kernel> __device__ int elementOf(const Count& n, int k) {
-  if constexpr (kHasJointParts<Kernel>)  // as partAt()
-    if (n.parts > 1) return n.list[k % *n.counted] + k / *n.counted * n.joints;
+  if constexpr (kHasJointParts<Kernel>)
+    if (n.parts > 1) {
+      const PartIndex at = partInGroups(k, *n.counted, n.parts);
+      return numberInGroups({n.list[at.joint], at.part}, n.joints, n.parts);
+    }
   return n.list ? n.list[k] : k;
 }
 

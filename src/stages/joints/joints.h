@@ -78,13 +78,25 @@ template <class F> struct BeginJoints {
 struct PartIndex {
   int joint, part;
 };
-/// The k-th part of all joints of a type. On a GPU adjacent threads process the same part of different
-/// joints, so that a warp does not diverge. On a CPU they process the parts of one joint, which is then in
-/// the cache.
+/// The k-th part of joints in groups of kGroupJoints: all first parts of a group, all second ones, and so on,
+/// then those of the next group.
+inline constexpr int kGroupJoints = 32;
+RUBBLE_HD inline PartIndex partInGroups(int k, int joints, int parts) {
+  const int first = k / (kGroupJoints * parts) * kGroupJoints, width = min(kGroupJoints, joints - first),
+            place = k - first * parts;
+  return {first + place % width, place / width};
+}
+/// Its inverse.
+RUBBLE_HD inline int numberInGroups(const PartIndex& at, int joints, int parts) {
+  const int first = at.joint / kGroupJoints * kGroupJoints, width = min(kGroupJoints, joints - first);
+  return first * parts + at.part * width + at.joint - first;
+}
+/// The k-th part of all joints of a type. On a GPU the threads of a warp process the same part of different
+/// joints, so that they do not diverge, and the next warps other parts of these joints, which are then in the
+/// cache. On a CPU a thread processes the parts of one joint after one another.
 template <class F> RUBBLE_HD PartIndex partAt(const SolverData& s, int k) {
 #if RUBBLE_DEVICE_CODE
-  const int joints = s.joints[typeIndex<F>(JointTypes{})];
-  return {k % joints, k / joints};
+  return partInGroups(k, s.joints[typeIndex<F>(JointTypes{})], F::Parts::kCount);
 #else
   (void)s;
   return {k / F::Parts::kCount, k % F::Parts::kCount};

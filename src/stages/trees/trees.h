@@ -100,11 +100,11 @@ template <class F> struct FindTreeRows {
     TreePart<kSides<F>>& to = s.treeRowsOf<F>()[at.joint].part[at.part];
     to.count = 0;
     const StepConstants c = s.stepOf(spec.a, spec.b);
-    storeVectorized(to, [&](TreePart<kSides<F>>& part) {
+    storeFirstBytes(to, [&](TreePart<kSides<F>>& part) {
       forEachPart<F>([&]<int I, class P>() {
         if (I == at.part) findTreePart<F, I, P>(c, spec, joint, a, b, own, part);
       });
-      return part.count > 0;
+      return part.bytes();
     });
   }
 };
