@@ -49,7 +49,7 @@ int run(RunOptions options) {
     throw Error("--checkpoint", "a file and --every N", "one of them");
   if (!Processes::isFirst()) options.checkpointFile.clear();
   for (const std::string& file :
-       {options.jsonFile, options.recordFile, options.inputsFile, options.sensorFile})
+       {options.jsonFile, options.recordFile, options.inputsFile, options.sensorFile, options.checkpointFile})
     requireWritable(file);
   PreparedJob prepared = prepareJob(options.job);
   prepared.world.timings = !options.noStages;
@@ -124,7 +124,7 @@ void addRun(CLI::App& app, int& status) {
       ->type_name("FILE");
   command->add_option("--every", options->checkpointInterval, "Steps between checkpoints")
       ->type_name("N")
-      ->check(CLI::PositiveNumber);
+      ->check(wholeNumber(1));
   command
       ->add_option(
           "--resume", options->resumeFile,
