@@ -178,7 +178,7 @@ void addRankOptions(CLI::App& app, JobOptions& options) {
          "What ranks exchange: messages, stores into one another's memory, or letters that say what to "
          "store (default: messages; between GPUs of one process stores, of several letters)")
       ->check(CLI::IsMember(exchangeNames()))
-      ->type_name("");
+      ->type_name("NAME");
 }
 
 std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare) {
