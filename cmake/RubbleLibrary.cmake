@@ -53,7 +53,12 @@ target_link_libraries(rubble PRIVATE $<BUILD_INTERFACE:rubble_common> ${rubble_t
 if(RUBBLE_QHULL_INCLUDE AND RUBBLE_QHULL_LIBRARY)
   target_include_directories(rubble SYSTEM PRIVATE ${RUBBLE_QHULL_INCLUDE})
   target_compile_definitions(rubble PRIVATE RUBBLE_HAS_QHULL=1)
-  target_link_libraries(rubble PRIVATE ${RUBBLE_QHULL_LIBRARY})
+  # By a name that the installed package defines again, so that its files have no path of this machine.
+  if(NOT TARGET rubble::qhull)
+    add_library(rubble::qhull UNKNOWN IMPORTED GLOBAL)
+    set_target_properties(rubble::qhull PROPERTIES IMPORTED_LOCATION ${RUBBLE_QHULL_LIBRARY})
+  endif()
+  target_link_libraries(rubble PRIVATE rubble::qhull)
 endif()
 
 if(rubble_core_sources)

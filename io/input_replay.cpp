@@ -169,11 +169,11 @@ class Replayer {
 
 Replay replayInputs(const std::string& file, const std::string& backend, int threads) {
   std::ifstream in(file);
-  if (!in) throw Error(file, "a file that can be read", "another");
+  if (!in) throw Error(file, "a file that can be read", "none");
   std::string line;
   int number = 1;
+  if (!std::getline(in, line)) throw Error(file, "a log of inputs", "an empty file");
   try {
-    std::getline(in, line);
     const Ordered head = Ordered::parse(line);
     if (head.at("format") != kInputFormat)
       throw Error(file, std::string("a log of \"") + kInputFormat + "\"", head.at("format").dump());
@@ -198,7 +198,10 @@ Replay replayInputs(const std::string& file, const std::string& backend, int thr
     result.hash = replayer.world().hash();
     return result;
   } catch (const nlohmann::json::exception& error) {
-    throw Error(file + ", line " + std::to_string(number), "a line of an input log", error.what());
+    // without the name of the library's exception
+    const std::string text = error.what();
+    throw Error(file + ", line " + std::to_string(number), "a line of an input log",
+                text.substr(text.find("] ") + 2));
   }
 }
 

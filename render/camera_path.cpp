@@ -14,7 +14,8 @@ namespace {
 std::vector<CameraKey> readKeys(const std::string& file) {
   std::ifstream in(file);
   std::ostringstream text;
-  if (!(in && text << in.rdbuf())) throw Error(file, "a file that can be read", "another");
+  if (!in) throw Error(file, "a file that can be read", "none");
+  text << in.rdbuf();
   std::vector<CameraKey> keys;
   io::readDefinition(text.str(), file, [&](const io::Node& node) {
     for (const io::Node& element : node.elements("a list of key frames")) {

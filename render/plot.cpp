@@ -147,8 +147,8 @@ std::vector<Panel> seriesPanel(const std::vector<Json>& reports, const std::vect
     for (std::size_t k = 0; k < std::min(times.size(), values.size()); ++k)
       if (times[k].is_number() && values[k].is_number())
         row.points.push_back({times[k].get<double>(), values[k].get<double>()});
-    // of what is 0 throughout, such as the joints of a scene without any, a logarithm shows nothing
-    const bool shows = !logarithmic || std::ranges::any_of(row.points, [](const auto& p) { return p.y > 0; });
+    // what is 0 throughout, such as contacts and joints of a scene without any, shows nothing
+    const bool shows = std::ranges::any_of(row.points, [](const auto& p) { return p.y != 0; });
     if (row.points.size() > 1 && shows) panel.rows.push_back(std::move(row));
   }
   return panel.rows.empty() ? std::vector<Panel>{} : std::vector<Panel>{panel};
@@ -201,7 +201,7 @@ Figure::Figure(const std::vector<Json>& reports, const std::string& kind) {
     const bool needsSeries = kind == "energy" || kind == "gap" || kind == "depth" || kind == "step";
     throw Error("reports",
                 std::string("something to plot as ") + kind +
-                    (needsSeries ? " (write them with run --series --json)" : ""),
+                    (needsSeries ? " other than 0 (write reports with run --series --json)" : ""),
                 "none");
   }
 }

@@ -53,6 +53,7 @@ void printRow(std::FILE* out, const io::RunRecord& r) {
 
 int bench(BenchOptions options) {
   options.jsonFile = outputOfProcess(options.jsonFile);
+  requireWritable(options.jsonFile);
   if (options.search)
     return searchLargest({options.job, options.limitMs, options.jsonFile}) ? kHolds : kDoesNotHold;
   if (options.scenes.empty()) throw Error("scenes", "names of scenes, or --search-60hz", "none");
@@ -120,7 +121,7 @@ void addBench(CLI::App& app, int& status) {
       ->add_option("-t,--threads", options->threads,
                    "Numbers of worker threads, with commas between; one run for each; 0 is one a core")
       ->delimiter(',')
-      ->check(notBelowZero())
+      ->check(wholeNumber(0))
       ->capture_default_str();
   command->add_flag("--search-60hz", options->search,
                     "Instead of scenes: find the most walls ('walls', 1,620 bricks each) whose mean step, "
@@ -137,7 +138,7 @@ void addBench(CLI::App& app, int& status) {
   command
       ->add_option("--worlds", options->worlds,
                    "Instead of phases: that many worlds of each scene in one batch (rubble/worlds.h)")
-      ->check(aboveZero());
+      ->check(wholeNumber(1));
   command->add_flag(
       "--no-stages", options->noStages,
       "Without the clocks of stages, which cost a GPU some percent of a small step: the whole step only");

@@ -12,13 +12,22 @@ struct CheckOptions {
   bool quiet = false, json = false;
 };
 
+/// Faults of a file, also of one that cannot be read at all.
+std::vector<io::Fault> faultsOf(const std::string& file, io::SceneFile& scene) {
+  try {
+    std::vector<io::Fault> faults = checkFile(file, scene);
+    return faults.empty() ? worldFaults(scene.scene) : faults;
+  } catch (const Error& error) {
+    return {{"", 0, 0, messageOf(error)}};
+  }
+}
+
 int check(const CheckOptions& options) {
   int status = kHolds;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const std::string& file : options.files) {
     io::SceneFile scene;
-    std::vector<io::Fault> faults = checkFile(file, scene);
-    if (faults.empty()) faults = worldFaults(scene.scene);
+    const std::vector<io::Fault> faults = faultsOf(file, scene);
     if (options.json) {
       nlohmann::ordered_json entry{{"file", file}, {"good", faults.empty()}};
       for (const io::Fault& fault : faults)

@@ -203,11 +203,11 @@ void addCompare(CLI::App& app, int& status) {
       ->capture_default_str();
   command->add_option("-t,--threads", options->threads, "Worker threads of each; 0 is one a core")
       ->delimiter(',')
-      ->check(notBelowZero())
+      ->check(wholeNumber(0))
       ->capture_default_str();
   command
       ->add_option("--every", options->every, "Show every so many steps (default: 1, 2, 5, 10, 20, 50 ...)")
-      ->check(aboveZero());
+      ->check(wholeNumber(1));
   command
       ->add_option("--within", options->within,
                    "Wanted: no body farther apart than this [m]; else the exit status is 1")

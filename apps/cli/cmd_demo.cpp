@@ -24,6 +24,7 @@ struct DemoOptions {
   std::string folder = "out";
   bool quiet = false;
   bool noFilm = false;
+  bool json = false;
 };
 
 std::vector<PictureRequest> demoPictures(const std::filesystem::path& folder, int smashStep, int steps) {
@@ -52,21 +53,16 @@ std::string whyNoPictures() {
   }
 }
 
-/// Makes a film of the trajectory, or says why there is none.
-std::string filmOf(const std::filesystem::path& folder, bool quiet) {
-  if (render::ffmpegProgram().empty()) return "no film: ffmpeg is not on PATH";
+/// Makes a film of the trajectory. Throws Error where there can be none.
+void filmOf(const std::filesystem::path& folder, bool quiet) {
+  if (render::ffmpegProgram().empty()) throw Error("ffmpeg is not on PATH");
   RenderOptions film;
   film.job.scene = (folder / "trajectory.rubble").string();
   film.out = (folder / "film.mp4").string();
   film.overlay = true;
   film.quiet = quiet;
-  try {
-    if (render::makePaintDevice()->isSoftware()) film.samples = 1;
-    const RenderResult result = renderFilm(film);
-    return fmt::format("film.mp4 ({} pictures, {})", result.frames, result.device);
-  } catch (const Error& error) {
-    return fmt::format("no film: {}", error.what());
-  }
+  if (render::makePaintDevice()->isSoftware()) film.samples = 1;
+  renderFilm(film);
 }
 
 int demo(DemoOptions options) {
@@ -84,13 +80,28 @@ int demo(DemoOptions options) {
   if (noPictures.empty()) session.pictures = demoPictures(folder, prepared.job.smashStep, prepared.steps);
   const SessionResult result = runSession(std::move(prepared), session);
   const std::string text = textReport(result.record, result.reports);
-  fmt::print("{}\nwritten to {}:\n  report.json, report.txt, trajectory.rubble\n", text, folder.string());
-  for (const PictureRequest& request : session.pictures)
-    fmt::print("  {}\n", std::filesystem::path(request.file).filename().string());
-  if (!noPictures.empty()) fmt::print("  no pictures: {}\n", noPictures);
-  if (!options.noFilm && noPictures.empty()) fmt::print("  {}\n", filmOf(folder, options.quiet));
-  writeOutput((folder / "report.json").string(), io::toJson(result.record));
-  writeOutput((folder / "report.txt").string(), text);
+  const std::string report = (folder / "report.json").string(), textFile = (folder / "report.txt").string();
+  writeOutput(report, io::toJson(result.record));
+  writeOutput(textFile, text);
+  std::vector<std::string> files{report, textFile, session.recordFile}, missing;
+  for (const PictureRequest& request : session.pictures) files.push_back(request.file);
+  if (!noPictures.empty()) missing.push_back("no pictures: " + noPictures);
+  if (!options.noFilm && noPictures.empty()) {
+    try {
+      filmOf(folder, options.quiet);
+      files.push_back((folder / "film.mp4").string());
+    } catch (const Error& error) {
+      missing.push_back(fmt::format("no film: {}", error.what()));
+    }
+  }
+  if (options.json) {
+    printWritten(files, {{"missing", missing}, {"holds", result.record.holds}});
+  } else {
+    fmt::print("{}\nwritten to {}:\n", text, folder.string());
+    for (const std::string& file : files)
+      fmt::print("  {}\n", std::filesystem::path(file).filename().string());
+    for (const std::string& line : missing) fmt::print("  {}\n", line);
+  }
   return result.record.holds ? kHolds : kDoesNotHold;
 }
 
@@ -110,10 +121,11 @@ void addDemo(CLI::App& app, int& status) {
   auto* backend = command->add_option("-b,--backend", options->job.backend,
                                       "Where the step runs (default: cuda where there is a GPU, else cpu)");
   command->add_option("-t,--threads", options->job.threads, "Worker threads; 0 is one a core")
-      ->check(notBelowZero())
+      ->check(wholeNumber(0))
       ->capture_default_str();
   command->add_flag("--no-film", options->noFilm, "Pictures only");
   command->add_flag("-q,--quiet", options->quiet, "No progress");
+  addWrittenOption(*command, options->json);
   command->callback([options, backend, &status] {
     if (backend->count() == 0) options->job.backend = bestBackend();
     status = demo(*options);

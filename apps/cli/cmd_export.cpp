@@ -24,7 +24,7 @@ struct ExportCommand {
   JobOptions job;
   std::string out, recordFile;
   convert::ExportOptions options;
-  bool quiet = false, strict = false;
+  bool quiet = false, strict = false, json = false;
 };
 
 const std::vector<std::string> kFilms{".mp4", ".mkv", ".mov", ".webm", ".gif"};
@@ -43,7 +43,10 @@ int exportFilm(const ExportCommand& command) {
   options.every = command.options.every > 1 ? command.options.every : 0;
   options.quiet = command.quiet;
   const RenderResult result = renderFilm(options);
-  if (!command.quiet) fmt::print("{}: {} pictures, {}\n", command.out, result.frames, result.device);
+  if (command.json)
+    printWritten({command.out}, {{"pictures", result.frames}, {"device", result.device}});
+  else if (!command.quiet)
+    fmt::print("{}: {} pictures, {}\n", command.out, result.frames, result.device);
   return kHolds;
 }
 
@@ -83,7 +86,10 @@ int exportFrames(const ExportCommand& command, const std::string& recordingFile,
   };
   const convert::ExportResult result = convert::exportRecording(recording, command.out, options);
   for (const std::string& note : result.notes) fmt::print(stderr, "rubble: {}: {}\n", command.out, note);
-  if (!command.quiet) {
+  if (command.json) {
+    printWritten({command.out, command.recordFile},
+                 {{"frames", result.frames}, {"kept", result.kept}, {"left_out", result.notes}});
+  } else if (!command.quiet) {
     const double seconds = milliseconds(Clock::now() - start) / 1000;
     fmt::print("{}: {} frame{} in {:.2f} s, {:.2f} s of it writing", command.out, result.frames,
                result.frames == 1 ? "" : "s", seconds, result.writeSeconds);
@@ -108,6 +114,7 @@ int exportNow(const ExportCommand& command) {
     if (!command.recordFile.empty()) throw Error("--record", "a scene to simulate", command.job.scene);
     return exportFrames(command, command.job.scene, {});
   }
+  requireWritable(command.out);
   // A scene is recorded first: into the file that is named, or into one beside the output that goes away.
   PreparedJob prepared = withoutProbes(prepareJob(command.job));
   const scenes::Camera camera = prepared.job.camera;
@@ -140,14 +147,15 @@ void addExport(CLI::App& app, int& status) {
                      fmt::join(convert::exportEndings(), ", ")))
       ->required()
       ->type_name("FILE");
-  sub->add_option("--from", options.from, "First frame")->check(notBelowZero());
-  sub->add_option("--to", options.to, "Last frame (default: the last one)")->check(notBelowZero());
-  sub->add_option("--every", options.every, "One frame of so many")->check(aboveZero());
+  sub->add_option("--from", options.from, "First frame")->check(wholeNumber(0));
+  sub->add_option("--to", options.to, "Last frame (default: the last one)")->check(wholeNumber(0));
+  sub->add_option("--every", options.every, "One frame of so many")->check(wholeNumber(1));
   sub->add_flag("--resume", options.resume, "CSV and OBJ: go on after the frames that are there");
   sub->add_option("--record", command->recordFile, "Of a scene: keep its trajectory (.rubble)")
       ->type_name("FILE");
   sub->add_flag("--strict", command->strict, "Exit status 1 if the format does not hold everything");
   sub->add_flag("-q,--quiet", command->quiet, "No progress");
+  addWrittenOption(*sub, command->json);
   addArgumentOptions(*sub, command->job);
   addSolverOptions(*sub, command->job);
   addBackendOptions(*sub, command->job);

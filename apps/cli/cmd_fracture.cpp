@@ -1,6 +1,7 @@
 #include "apps/cli/command.h"
 #include "apps/cli/job.h"
 #include "apps/cli/mesh_options.h"
+#include "apps/cli/output.h"
 
 namespace rubble::cli {
 namespace {
@@ -22,7 +23,7 @@ void addFracture(CLI::App& app, int& status) {
                   "A mesh: .obj, .stl, .ply, .msh; with assimp also .dae, .gltf and more")
       ->required();
   sub->add_option("--pieces", command->fracture.pieces, "Number of pieces; concave ones are cut further")
-      ->check(aboveZero())
+      ->check(wholeNumber(1))
       ->capture_default_str();
   sub->add_option("--seed", command->fracture.seed, "Another one gives other pieces")->capture_default_str();
   sub->add_option("--strength", command->fracture.strength, "Tensile strength of the joints [Pa]")
@@ -32,6 +33,7 @@ void addFracture(CLI::App& app, int& status) {
   addMeshOptions(*sub, command->mesh);
   addSceneOutput(*sub, command->output);
   sub->add_flag("-q,--quiet", command->output.quiet, "No report");
+  addWrittenOption(*sub, command->output.json);
   addSolverOptions(*sub, command->job);
   addBackendOptions(*sub, command->job);
   sub->callback([command, &status] {

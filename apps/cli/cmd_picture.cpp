@@ -17,12 +17,13 @@ namespace {
 struct PictureCommand {
   JobOptions job;
   PictureOptions picture;
-  bool quiet = false;
+  bool quiet = false, json = false;
 };
 
 bool isTrajectory(const std::string& name) { return std::filesystem::path(name).extension() == ".rubble"; }
 
-void fromTrajectory(const PictureCommand& options, const Look& look) {
+/// The pictures that were written.
+std::vector<PictureRequest> fromTrajectory(const PictureCommand& options, const Look& look) {
   requireWorldless(look.colorBy);
   io::RecordingReader recording(options.job.scene);
   if (recording.frameCount() == 0) throw Error(options.job.scene, "a trajectory with frames", "none");
@@ -33,6 +34,7 @@ void fromTrajectory(const PictureCommand& options, const Look& look) {
   for (const PictureRequest& request : requests)
     pictures.take(request.afterSteps,
                   io::pictureBodies(recording, io::frameAfter(recording, request.afterSteps)));
+  return requests;
 }
 
 std::vector<io::PictureBody> bodiesAtStart(const PreparedJob& prepared, const Look& look) {
@@ -41,7 +43,7 @@ std::vector<io::PictureBody> bodiesAtStart(const PreparedJob& prepared, const Lo
   return io::pictureBodies(World(prepared.job.scene, prepared.world), look.colorBy);
 }
 
-void fromScene(const PictureCommand& options, const Look& look) {
+std::vector<PictureRequest> fromScene(const PictureCommand& options, const Look& look) {
   PreparedJob prepared = prepareJob(options.job);
   const bool atStart = options.picture.at.empty() && !options.job.steps;
   if (atStart) {
@@ -49,7 +51,7 @@ void fromScene(const PictureCommand& options, const Look& look) {
     PictureWriter({{0, options.picture.file}}, look, prepared.job.scene.gravity, prepared.job.camera,
                   prepared.job.appearance, bodies)
         .take(0, bodies);
-    return;
+    return {{0, options.picture.file}};
   }
   SessionOptions session;
   session.quiet = options.quiet;
@@ -59,11 +61,18 @@ void fromScene(const PictureCommand& options, const Look& look) {
                                     [](const auto& a, const auto& b) { return a.afterSteps < b.afterSteps; })
                        ->afterSteps;
   runSession(std::move(prepared), session);
+  return session.pictures;
 }
 
 int picture(const PictureCommand& options) {
   const Look look = lookOf(options.picture);
-  isTrajectory(options.job.scene) ? fromTrajectory(options, look) : fromScene(options, look);
+  const std::vector<PictureRequest> written = isTrajectory(options.job.scene) ? fromTrajectory(options, look)
+                                                                              : fromScene(options, look);
+  if (options.json) {
+    std::vector<std::string> files;
+    for (const PictureRequest& each : written) files.push_back(each.file);
+    printWritten(files, {{"width", look.width}, {"height", look.height}});
+  }
   return kHolds;
 }
 
@@ -83,6 +92,7 @@ void addPicture(CLI::App& app, int& status) {
   addSolverOptions(*command, options->job);
   addBackendOptions(*command, options->job);
   command->add_flag("-q,--quiet", options->quiet, "No progress");
+  addWrittenOption(*command, options->json);
   command->callback([options, &status] { status = picture(*options); });
 }
 

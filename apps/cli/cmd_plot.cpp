@@ -4,6 +4,7 @@
 #include <rubble/error.h>
 
 #include "apps/cli/command.h"
+#include "apps/cli/output.h"
 #if defined(RUBBLE_HAS_CAIRO)
 #include "render/plot.h"
 #endif
@@ -15,6 +16,7 @@ struct PlotCommand {
   std::vector<std::string> reports;
   std::string out;
   std::string kind = "all";
+  bool json = false;
 };
 
 #if defined(RUBBLE_HAS_CAIRO)
@@ -42,8 +44,10 @@ void addPlot(CLI::App& app, int& status) {
   command->add_option("-o,--out", options->out, "plot.svg or plot.png")->required()->type_name("FILE");
   command->add_option("--kind", options->kind, fmt::format("{}", fmt::join(plotKinds(), ", ")))
       ->capture_default_str();
+  addWrittenOption(*command, options->json);
   command->callback([options, &status] {
     plot(*options);
+    if (options->json) printWritten({options->out}, {{"reports", options->reports}});
     status = kHolds;
   });
 }

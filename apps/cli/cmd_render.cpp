@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "apps/cli/command.h"
 #include "apps/cli/job.h"
@@ -85,8 +84,8 @@ int renderNow(RenderCommand& command) {
   if (options.transparent &&
       (std::filesystem::path(options.out).extension() != ".png" || !options.compare.empty()))
     throw Error("--transparent", "one run, into .png files", options.out);
-  if (!options.depthFile.empty()) checkLayerFile("--depth", options.depthFile);
-  if (!options.normalsFile.empty()) checkLayerFile("--normals", options.normalsFile);
+  checkLayerFile("--depth", options.depthFile);
+  checkLayerFile("--normals", options.normalsFile);
   if (!command.sun.empty())
     options.sun = {command.sun[0] * std::numbers::pi / 180, command.sun[1] * std::numbers::pi / 180};
   if (command.live && command.measure == 0) throw Error("--live", "--measure as well", "none");
@@ -97,10 +96,8 @@ int renderNow(RenderCommand& command) {
   if (options.out.empty()) throw Error("--out", "a file for the film or the pictures", "none");
   const RenderResult result = renderFilm(options);
   if (command.json)
-    fmt::print(
-        "{}\n",
-        nlohmann::ordered_json{{"out", options.out}, {"pictures", result.frames}, {"device", result.device}}
-            .dump());
+    printWritten({options.out, options.depthFile, options.normalsFile},
+                 {{"pictures", result.frames}, {"device", result.device}});
   else if (!options.quiet)
     fmt::print("{}: {} picture{}, {}\n", options.out, result.frames, result.frames == 1 ? "" : "s",
                result.device);
@@ -159,8 +156,8 @@ void addRender(CLI::App& app, int& status) {
       ->check(CLI::Range(.01, 1000.0))
       ->capture_default_str();
   sub->add_option("--every", options.every, "A frame every so many steps, whatever the time")
-      ->check(aboveZero());
-  sub->add_option("--from", options.from, "Begin after this step")->check(notBelowZero());
+      ->check(wholeNumber(1));
+  sub->add_option("--from", options.from, "Begin after this step")->check(wholeNumber(0));
   sub->add_option("--samples", options.samples,
                   "Samples a pixel (default: 32 for a picture; 4 for a film, 16 on a GPU)")
       ->check(CLI::Range(1, 4096));
@@ -175,14 +172,14 @@ void addRender(CLI::App& app, int& status) {
       ->delimiter(',');
   sub->add_option("--measure", command->measure,
                   "Write nothing: draw this many frames of the start and report milliseconds")
-      ->check(aboveZero());
+      ->check(wholeNumber(1));
   sub->add_flag("--live", command->live,
                 "With --measure: take a step of the scene before each frame, and report it as well");
   addArgumentOptions(*sub, options.job);
   addSolverOptions(*sub, options.job);
   addBackendOptions(*sub, options.job);
   sub->add_flag("-q,--quiet", options.quiet, "No progress");
-  sub->add_flag("--json", command->json, "Say what was written as JSON");
+  addWrittenOption(*sub, command->json);
   sub->callback([command, &status] { status = renderNow(*command); });
 }
 

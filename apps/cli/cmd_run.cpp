@@ -48,7 +48,8 @@ int run(RunOptions options) {
   if (options.checkpointFile.empty() != (options.checkpointInterval == 0))
     throw Error("--checkpoint", "a file and --every N", "one of them");
   if (!Processes::isFirst()) options.checkpointFile.clear();
-  for (const std::string& file : {options.jsonFile, options.inputsFile, options.sensorFile})
+  for (const std::string& file :
+       {options.jsonFile, options.inputsFile, options.sensorFile, options.checkpointFile})
     requireWritable(file);
   // all processes pack the recording, and the first one writes it
   if (Processes::isFirst()) requireWritable(options.recordFile);
@@ -125,7 +126,7 @@ void addRun(CLI::App& app, int& status) {
       ->type_name("FILE");
   command->add_option("--every", options->checkpointInterval, "Steps between checkpoints")
       ->type_name("N")
-      ->check(CLI::PositiveNumber);
+      ->check(wholeNumber(1));
   command
       ->add_option(
           "--resume", options->resumeFile,

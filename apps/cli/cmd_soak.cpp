@@ -53,6 +53,7 @@ nlohmann::ordered_json jsonOf(const SoakCommand& command, const scenes::Soak& so
 
 int soak(const SoakCommand& command) {
   checkBackend(command.backend);
+  requireWritable(command.jsonFile);
   scenes::SoakOptions options;
   options.world.backend = command.backend;
   options.world.threads = command.threads;
@@ -107,7 +108,8 @@ void addSoak(CLI::App& app, int& status) {
   command->add_option("-m,--minutes", options->minutes, "How long")
       ->check(aboveZero())
       ->capture_default_str();
-  command->add_option("-n,--steps", options->steps, "So many steps instead of minutes")->check(aboveZero());
+  command->add_option("-n,--steps", options->steps, "So many steps instead of minutes")
+      ->check(wholeNumber(1));
   command->add_option("--seed", options->seed, "Of the random edits: the same seed gives the same run")
       ->capture_default_str();
   command->add_option("--bodies", options->bodies, "That the heap varies about")
@@ -115,12 +117,12 @@ void addSoak(CLI::App& app, int& status) {
       ->capture_default_str();
   command->add_flag("--joints", options->joints, "Also pairs of cubes on joints, made and removed");
   command->add_option("-i,--iterations", options->iterations, "Solver iterations per step")
-      ->check(aboveZero())
+      ->check(wholeNumber(1))
       ->capture_default_str();
   command->add_option("-b,--backend", options->backend, "Where the step runs (see 'rubble info build')")
       ->capture_default_str();
   command->add_option("-t,--threads", options->threads, "Worker threads; 0 is one a core")
-      ->check(notBelowZero())
+      ->check(wholeNumber(0))
       ->capture_default_str();
   command->add_option("--json", options->jsonFile, "Write what happened as JSON; '-' is standard output")
       ->type_name("FILE");

@@ -96,7 +96,7 @@ void addView(CLI::App& app, int& status) {
   sub->add_option("--compare", command->compare,
                   "Side by side: two backends (cpu,reference) or two numbers of iterations (4,16)")
       ->delimiter(',');
-  sub->add_option("--frames", command->frames, "Close after so many frames")->check(aboveZero());
+  sub->add_option("--frames", command->frames, "Close after so many frames")->check(wholeNumber(1));
   sub->add_option("--screenshot", command->screenshot, "Write the last frame (PNG)")->type_name("FILE");
   sub->add_option("--state", command->stateFile,
                   "Write what the window shows, anew in every frame (JSON; for tests)")

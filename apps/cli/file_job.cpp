@@ -55,6 +55,11 @@ std::vector<io::Fault> checkFile(const std::string& file, io::SceneFile& scene) 
   return faults;
 }
 
+std::string messageOf(const Error& error) {
+  return error.expected().empty() ? error.what()
+                                  : fmt::format("expected {}, got {}", error.expected(), error.found());
+}
+
 std::vector<io::Fault> worldFaults(const Scene& scene) {
   std::vector<io::Fault> faults;
   const auto make = [&](const Scene& one, const std::string& path) {
@@ -63,7 +68,11 @@ std::vector<io::Fault> worldFaults(const Scene& scene) {
       options.threads = 1;
       World world(one, options);
     } catch (const Error& error) {
-      faults.push_back({path, 0, 0, error.what()});
+      // "bodies[2].mass" of bodies that an event adds is "events[0].add[2].mass"
+      constexpr std::string_view kBodies = "bodies[";
+      std::string where = error.path();
+      if (!path.empty() && where.starts_with(kBodies)) where = path + where.substr(kBodies.size() - 1);
+      faults.push_back({where.empty() ? path : where, 0, 0, messageOf(error)});
     }
   };
   make(scene, "");

@@ -21,6 +21,9 @@ io::SceneFile importScene(const std::string& file);
 /// Every fault of a scene file, its text and its verdict. Throws Error if the file cannot be read at all.
 std::vector<io::Fault> checkFile(const std::string& file, io::SceneFile& scene);
 
+/// What an error says beside its path.
+std::string messageOf(const Error& error);
+
 /// Faults that prevent a world: shapes of the scene or of its events that cannot be cooked.
 std::vector<io::Fault> worldFaults(const Scene& scene);
 

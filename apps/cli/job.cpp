@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <map>
 
@@ -36,6 +37,13 @@ scenes::Arguments parseArguments(const std::vector<std::string>& texts) {
     arguments[name] = value;
   }
   return arguments;
+}
+
+const std::map<std::string, RankExchange>& exchangeNames() {
+  static const std::map<std::string, RankExchange> names{{"messages", RankExchange::Messages},
+                                                         {"stores", RankExchange::Stores},
+                                                         {"letters", RankExchange::Letters}};
+  return names;
 }
 
 bool isNumber(const std::string& text) {
@@ -76,10 +84,10 @@ Params paramsOf(const JobOptions& options, const scenes::Job& job) {
 
 namespace {
 
-CLI::Validator numberCheck(const char* expected, bool (*good)(double)) {
+template <class Number> CLI::Validator numberCheck(std::string expected, std::function<bool(Number)> good) {
   return CLI::Validator(
-      [expected, good](std::string& text) -> std::string {
-        double number = 0;
+      [expected = std::move(expected), good = std::move(good)](std::string& text) -> std::string {
+        Number number = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
         const bool read = error == std::errc{} && end == text.data() + text.size();
         return read && good(number) ? "" : fmt::format("expected {}, got {}", expected, text.substr(0, 40));
@@ -90,10 +98,14 @@ CLI::Validator numberCheck(const char* expected, bool (*good)(double)) {
 }  // namespace
 
 CLI::Validator aboveZero() {
-  return numberCheck("a number above 0", [](double a) { return a > 0 && std::isfinite(a); });
+  return numberCheck<double>("a number above 0", [](double a) { return a > 0 && std::isfinite(a); });
 }
 CLI::Validator notBelowZero() {
-  return numberCheck("a number of at least 0", [](double a) { return a >= 0 && std::isfinite(a); });
+  return numberCheck<double>("a number of at least 0", [](double a) { return a >= 0 && std::isfinite(a); });
+}
+CLI::Validator wholeNumber(int least) {
+  return numberCheck<int>(fmt::format("a whole number from {} to {}", least, std::numeric_limits<int>::max()),
+                          [least](int a) { return a >= least; });
 }
 
 void checkBackend(const std::string& backend) {
@@ -125,13 +137,13 @@ void addArgumentOptions(CLI::App& app, JobOptions& options) {
 
 void addSolverOptions(CLI::App& app, JobOptions& options) {
   app.add_option("-n,--steps", options.steps, "Number of steps (default: as the scene says)")
-      ->check(aboveZero());
+      ->check(wholeNumber(1));
   app.add_option("-i,--iterations", options.iterations,
                  "Solver iterations per step (default: as the scene says)")
-      ->check(aboveZero());
+      ->check(wholeNumber(1));
   app.add_option("--substeps", options.substeps,
                  "Full steps that a time step is divided into (default: as the scene says)")
-      ->check(aboveZero());
+      ->check(wholeNumber(1));
   app.add_option("--dt", options.dt, "Time step [s] (default: 1/60)")->check(aboveZero());
   app.add_option("--preset", options.preset, "Parameter set: engine, paper or demo3d")->capture_default_str();
   app.add_option("--param", options.parameters,
@@ -148,7 +160,7 @@ void addBackendOptions(CLI::App& app, JobOptions& options) {
   app.add_option(
          "-t,--threads", options.threads,
          "Worker threads, of all ranks of this process together; 0 is one a core (of torchrun: its share)")
-      ->check(notBelowZero())
+      ->check(wholeNumber(0))
       ->capture_default_str();
   addRankOptions(app, options);
 }
@@ -157,20 +169,18 @@ void addRankOptions(CLI::App& app, JobOptions& options) {
   app.add_option(
          "--ranks", options.ranks,
          "Ranks of the backend 'distributed', as threads; 0: the processes that were started together")
-      ->check(CLI::NonNegativeNumber)
+      ->check(wholeNumber(0))
       ->capture_default_str();
   app.add_option(
          "--gpus", options.gpus,
          "GPUs that step the world together, in place of a backend; of several processes each has one")
-      ->check(aboveZero());
-  app.add_option(
-         "--exchange", options.exchange,
+      ->check(wholeNumber(1));
+  app.add_option_function<std::string>(
+         "--exchange", [&options](const std::string& name) { options.exchange = exchangeNames().at(name); },
          "What ranks exchange: messages, stores into one another's memory, or letters that say what to "
          "store (default: stores; between processes messages, between their GPUs letters)")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, RankExchange>{{"messages", RankExchange::Messages},
-                                                                      {"stores", RankExchange::Stores},
-                                                                      {"letters", RankExchange::Letters}}));
+      ->check(CLI::IsMember(exchangeNames()))
+      ->type_name("NAME");
 }
 
 std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare) {

@@ -77,6 +77,7 @@ bool isSceneFile(const std::string& scene);
 /// Checks of numbers for options, whose messages say what was expected.
 CLI::Validator aboveZero();
 CLI::Validator notBelowZero();
+CLI::Validator wholeNumber(int least);
 
 /// Splits "name=value"; `option` is named in the Error.
 std::pair<std::string, double> parseAssignment(const std::string& text, const std::string& option);

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <rubble/error.h>
 
+#include "apps/cli/output.h"
 #include "io/output_file.h"
 #include "io/picture.h"
 
@@ -125,8 +126,10 @@ std::vector<std::uint16_t> normalNumbers(const std::vector<float>& normals) {
 }  // namespace
 
 void checkLayerFile(const std::string& option, const std::string& file) {
+  if (file.empty()) return;
   if (const std::string end = endOf(file); end != ".npy" && end != ".exr" && end != ".png")
     throw Error(option, "a file that ends in .npy, .exr or .png", file);
+  requireWritable(file);
 }
 
 void writeDepths(const std::string& file, const std::vector<float>& depths, int width, int height) {

@@ -5,7 +5,8 @@
 
 namespace rubble::cli {
 
-/// Throws Error, which names `option`, unless the file ends in .npy, .exr or .png.
+/// Throws Error, which names `option`, unless the file ends in .npy, .exr or .png; and if it could not be
+/// written now. "" is good.
 void checkLayerFile(const std::string& option, const std::string& file);
 
 /// View depths, rows from the top [m]; infinity in the sky. By the end of the file: .npy and .exr (channel Z)

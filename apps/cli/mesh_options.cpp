@@ -24,12 +24,18 @@ void addSceneOutput(CLI::App& app, SceneOutput& output) {
 }
 
 int finishMesh(convert::MeshScene scene, JobOptions job, const SceneOutput& output) {
-  if (!output.quiet) {
+  if (output.json && (output.run || output.view || output.sceneFile == "-"))
+    throw Error("--json", "standard output for itself", "--run, --view or '-o -' as well");
+  if (!output.quiet && !output.json) {
     const std::string name = std::filesystem::path(job.scene).filename().string();
     for (const std::string& fact : scene.facts)
       fmt::print(output.sceneFile == "-" ? stderr : stdout, "{}: {}\n", name, fact);
   }
   if (!output.sceneFile.empty()) writeOutput(output.sceneFile, io::toJson(scene.file));
+  if (output.json)
+    printWritten({output.sceneFile}, {{"bodies", scene.file.scene.bodies.size()},
+                                      {"joints", scene.file.scene.joints.size()},
+                                      {"facts", scene.facts}});
   job.file = std::make_shared<const io::SceneFile>(std::move(scene.file));
   if (output.view) return viewJob(job);
   return output.run ? runJob(job) : kHolds;

@@ -12,7 +12,7 @@ void addMeshOptions(CLI::App& app, convert::MeshOptions& options);
 /// What is done with an imported scene.
 struct SceneOutput {
   std::string sceneFile;  ///< "" for none
-  bool run = false, view = false, quiet = false;
+  bool run = false, view = false, quiet = false, json = false;
 };
 void addSceneOutput(CLI::App& app, SceneOutput& output);
 

@@ -37,7 +37,7 @@ void addPictureOptions(CLI::App& app, PictureOptions& options, const std::string
   app.add_option("--at", options.at,
                  "Take the picture after these numbers of steps (0: the start); several files are numbered")
       ->delimiter(',')
-      ->check(notBelowZero());
+      ->check(wholeNumber(0));
   addViewOptions(app, options);
 }
 
@@ -112,6 +112,24 @@ void writeOutput(const std::string& file, const std::string& text) {
   } else {
     io::writeText(file, text);
   }
+}
+
+void addWrittenOption(CLI::App& app, bool& json) {
+  app.add_flag("--json", json, "Say what was written as JSON");
+}
+
+void printWritten(const std::vector<std::string>& files, const nlohmann::ordered_json& facts) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const std::string& file : files) {
+    if (file.empty()) continue;
+    std::error_code none;
+    const std::uintmax_t bytes = std::filesystem::file_size(file, none);
+    list.push_back(
+        {{"file", file}, {"bytes", none ? nlohmann::ordered_json() : nlohmann::ordered_json(bytes)}});
+  }
+  nlohmann::ordered_json record{{"files", std::move(list)}};
+  record.update(facts);
+  fmt::print("{}\n", record.dump(2));
 }
 
 }  // namespace rubble::cli

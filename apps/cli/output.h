@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "io/picture.h"
 #include "scenes/registry.h"
@@ -52,5 +53,11 @@ std::vector<PictureRequest> picturesOf(const PictureOptions& options, int steps)
 void requireWritable(const std::string& file);
 /// Writes text to a file, or to standard output for "-".
 void writeOutput(const std::string& file, const std::string& text);
+
+/// Adds --json to a command that writes files: it says what it wrote as JSON in place of text.
+void addWrittenOption(CLI::App& app, bool& json);
+/// Prints an object: "files", each with its name and its size in bytes (null for the name of a numbered
+/// sequence), then the facts.
+void printWritten(const std::vector<std::string>& files, const nlohmann::ordered_json& facts);
 
 }  // namespace rubble::cli

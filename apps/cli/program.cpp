@@ -11,6 +11,7 @@
 
 #include "apps/cli/command.h"
 #include "apps/cli/suggest.h"
+#include "scenes/registry.h"
 
 namespace rubble::cli {
 namespace {
@@ -34,6 +35,25 @@ bool isOption(const std::string& word) {
   return word.size() > 1 && word[0] == '-' && !std::isdigit(static_cast<unsigned char>(word[1]));
 }
 
+std::vector<const CLI::App*> commandsOf(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+std::vector<std::string> namesOf(const std::vector<const CLI::App*>& commands) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : commands) names.push_back(command->get_name());
+  return names;
+}
+
+/// What a word may stand for that is no subcommand of `app`: one of them, one of theirs, or a scene.
+std::string nearCommand(const std::string& word, const CLI::App& app) {
+  std::string near = suggestion(word, namesOf(commandsOf(app)));
+  for (const CLI::App* command : commandsOf(app))
+    if (near.empty()) near = suggestion(word, namesOf(commandsOf(*command)), command->get_name() + " ");
+  std::vector<std::string> names;
+  for (const scenes::Spec& spec : scenes::registry()) names.push_back(spec.name);
+  return near.empty() ? suggestion(word, names, "run ") : near;
+}
+
 /// At most so many bytes, with a mark where the rest is left out.
 std::string shortened(const std::string& text, std::size_t most = 200) {
   return text.size() <= most ? text : text.substr(0, most) + "...";
@@ -50,11 +70,8 @@ std::string usageMessage(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<std::string> unknown = app.remaining(true);
   // The library reports an unknown subcommand as a missing one.
   if (last.get_require_subcommand_min() > 0 && !unknown.empty()) {
-    std::vector<std::string> names;
-    for (const CLI::App* command : last.get_subcommands([](const CLI::App*) { return true; }))
-      names.push_back(command->get_name());
     message = fmt::format("there is no subcommand '{}'{}", shortened(unknown.front()),
-                          suggestion(unknown.front(), names));
+                          nearCommand(unknown.front(), last));
   } else if (const auto option = std::ranges::find_if(unknown, isOption); option != unknown.end()) {
     std::vector<std::string> names;
     for (const CLI::Option* known : last.get_options())

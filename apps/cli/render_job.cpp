@@ -37,10 +37,7 @@ class Side {
         device_(device),
         samples_(samples),
         source_(momentSource(job, options.colorBy, options.show)),
-        start_(current().bodies) {}
-
-  /// Chooses the camera for these moments of the run. Call before paint().
-  void plan(std::span<const std::vector<io::PictureBody>> moments) {
+        start_(current().bodies) {
     const std::vector<NamedCamera>& own = source_->appearance().cameras;
     const auto named = std::ranges::find(own, options_.camera, &NamedCamera::name);
     if (named != own.end()) {
@@ -50,6 +47,10 @@ class Side {
       for (const NamedCamera& camera : own) known.push_back(camera.name);
       throw Error("--camera", fmt::format("one of {}", fmt::join(known, ", ")), options_.camera);
     }
+  }
+
+  /// Chooses the camera for these moments of the run. Call before paint().
+  void plan(std::span<const std::vector<io::PictureBody>> moments) {
     const std::optional<Vec3> eye = options_.eye ? options_.eye
                                     : named_     ? std::optional(named_->eye)
                                                  : std::nullopt;

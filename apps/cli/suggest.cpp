@@ -9,7 +9,8 @@
 
 namespace rubble::cli {
 
-std::string suggestion(const std::string& name, const std::vector<std::string>& names) {
+std::string suggestion(const std::string& name, const std::vector<std::string>& names,
+                       const std::string& prefix) {
   constexpr std::size_t kMost = 3;
   // two slips at most in a short name; long ones may have more
   const std::size_t tolerance = std::max<std::size_t>(2, name.size() / 3);
@@ -22,7 +23,7 @@ std::string suggestion(const std::string& name, const std::vector<std::string>& 
   }
   std::ranges::sort(near);
   std::vector<std::string> best;
-  for (std::size_t i = 0; i < std::min(near.size(), kMost); ++i) best.push_back(near[i].second);
+  for (std::size_t i = 0; i < std::min(near.size(), kMost); ++i) best.push_back(prefix + near[i].second);
   return best.empty() ? "" : fmt::format("; did you mean {}?", fmt::join(best, " or "));
 }
 

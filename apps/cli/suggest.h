@@ -5,7 +5,8 @@
 
 namespace rubble::cli {
 
-/// "; did you mean a or b?" for the names nearest to `name`, or "" if none is near.
-std::string suggestion(const std::string& name, const std::vector<std::string>& names);
+/// "; did you mean a or b?" for the names nearest to `name`, each after `prefix`, or "" if none is near.
+std::string suggestion(const std::string& name, const std::vector<std::string>& names,
+                       const std::string& prefix = "");
 
 }  // namespace rubble::cli

@@ -361,7 +361,12 @@ class World {
   /// Sleeping (Params::sleeping). Edits and applied forces wake a body and its island automatically.
   bool asleep(BodyId id) const;
   void wake(BodyId id);
+  // One query; each has a call for many below, which costs less per query.
   RayHit castRay(const RayQuery& ray);
+  std::vector<RayHit> castRayAll(const RayQuery& ray);
+  CastHit castShape(const CastQuery& cast);
+  std::vector<BodyId> overlap(const OverlapQuery& shape);
+  ClosestHit closestPoint(const ClosestQuery& point);
   // Batched queries (query.h).
   std::vector<RayHit> castRays(std::span<const RayQuery> rays);
   /// The same without an allocation. `hits`: as many as rays.

@@ -117,7 +117,10 @@ void World::applyAngularImpulse(BodyId id, const Vec3& impulse) {
   impl_->requireAlive(id);
   checks::finite(impulse, "impulse");
   const BodyRecord& body = impl_->registry.bodies[id];
-  if (body.def.motion != Motion::Dynamic) return;
+  if (body.def.motion != Motion::Dynamic) {
+    impl_->idleForce.seen = true;
+    return;
+  }
   BodyState moving = state(id);
   const Quat axes = impl_->bodyState(id).orientation;
   const Vec3 local = rotateInverse(axes, impulse), inertia = body.mass.inertia;

@@ -109,7 +109,10 @@ void World::Impl::collectEvents(const StepReport& report) {
   registry.sleepers = std::move(sleepers);
 }
 
-const Events& World::events() const { return impl_->events; }
+const Events& World::events() const {
+  impl_->idleEvents.seen |= !impl_->wantsEvents;
+  return impl_->events;
+}
 
 bool World::asleep(BodyId id) const {
   impl_->requireAlive(id);

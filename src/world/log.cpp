@@ -23,4 +23,10 @@ void logStep(const StepReport& report, const LogSink& log) {
     log(LogLevel::Warning, step + "the two backends differ: " + report.difference);
 }
 
+void logIdle(IdleCall& call, const LogSink& log) {
+  if (!call.seen || call.told) return;
+  call.told = true;
+  log(LogLevel::Warning, call.advice);
+}
+
 }  // namespace rubble

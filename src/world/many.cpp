@@ -107,8 +107,9 @@ void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> force
                         std::span<const Vec3> torques) {
   sameLength(ids.size(), forces.size(), "forces");
   if (!torques.empty()) sameLength(ids.size(), torques.size(), "torques");
-  for (std::size_t k = 0; k < ids.size(); ++k) {
-    impl_->requireAlive(ids[k]);
+  for (const BodyId id : ids) {
+    impl_->requireAlive(id);
+    impl_->idleForce.seen |= !impl_->isDynamic(id);
   }
   checks::finite(forces, "forces");
   checks::finite(torques, "torques");
@@ -129,7 +130,10 @@ void World::applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> imp
     for (std::size_t k = 0; k < ids.size(); ++k) {
       impl_->requireAlive(ids[k]);
       const BodyRecord& body = impl_->registry.bodies[ids[k]];
-      if (body.def.motion != Motion::Dynamic) continue;
+      if (body.def.motion != Motion::Dynamic) {
+        impl_->idleForce.seen = true;
+        continue;
+      }
       edits.push_back(AddVelocity{ids[k].index, impulses[k] / body.mass.mass});
     }
     impl_->engine->apply(edits);

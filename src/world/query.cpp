@@ -277,6 +277,15 @@ RayHit World::castRay(const RayQuery& ray) {
   return hit;
 }
 
+std::vector<RayHit> World::castRayAll(const RayQuery& ray) {
+  return std::move(castRaysAll({&ray, 1}).front());
+}
+CastHit World::castShape(const CastQuery& cast) { return castShapes({&cast, 1}).front(); }
+std::vector<BodyId> World::overlap(const OverlapQuery& shape) {
+  return std::move(overlaps({&shape, 1}).front());
+}
+ClosestHit World::closestPoint(const ClosestQuery& point) { return closestPoints({&point, 1}).front(); }
+
 std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
   return withMemory("castShapes", [&] {
     impl_->flush();

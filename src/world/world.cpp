@@ -8,7 +8,6 @@
 #include "cook/checks.h"
 #include "math/portable.h"
 #include "world/body_additions.h"
-#include "world/log.h"
 #include "world/world_impl.h"
 
 namespace rubble {
@@ -155,7 +154,12 @@ StepReport World::step() {
   });
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   impl_->pass(inputs::Step{});
-  if (impl_->log) withMemory("log", [&] { logStep(report, impl_->log); });
+  if (impl_->log)
+    withMemory("log", [&] {
+      logStep(report, impl_->log);
+      logIdle(impl_->idleForce, impl_->log);
+      logIdle(impl_->idleEvents, impl_->log);
+    });
   return report;
 }
 
@@ -285,6 +289,7 @@ void World::applyTorque(BodyId id, const Vec3& torque) {
   impl_->push(id, {}, torque);
 }
 void World::Impl::push(BodyId id, const Vec3& force, const Vec3& torque) {
+  idleForce.seen |= !isDynamic(id);
   engine->apply(AddForce{id.index, force, torque});
   pass(inputs::ApplyForces{{&id, 1}, {&force, 1}, {&torque, 1}});
 }

@@ -10,6 +10,7 @@
 #include "backend/engine.h"
 #include "world/body_record.h"
 #include "world/joint_build.h"
+#include "world/log.h"
 #include "world/shape_frame.h"
 #include "world/world_shapes.h"
 
@@ -170,6 +171,9 @@ struct World::Impl {
   bool sortSoon = false;         ///< the next step sorts the bodies
   bool wantsEvents = false;
   LogSink log;
+  IdleCall idleForce{
+      "forces and impulses move dynamic bodies only: some were given to static or kinematic ones"};
+  IdleCall idleEvents{"World::events() is empty unless WorldOptions::events is set"};
   TaskSystem tasks;  ///< of the host
   inputs::Sink inputs;
   std::string difference;  ///< of the reports
@@ -247,6 +251,7 @@ struct World::Impl {
   void exclude(BodyId a, BodyId b, bool excluded);
   void requireAlive(BodyId id) const;
   /// In the engine frame.
+  bool isDynamic(BodyId id) const { return registry.bodies[id].def.motion == Motion::Dynamic; }
   BodyState bodyState(BodyId id) const { return engine->bodyState(id.index); }
   void requireAlive(JointId id) const;
   void requireAlive(ShapeId id) const;

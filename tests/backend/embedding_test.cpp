@@ -296,5 +296,35 @@ TEST(Log, HasWhatTheReportHasAndNothingElseIsWritten) {
   EXPECT_EQ(other.hash(), world.hash());
 }
 
+TEST(Log, WarnsOncePerWorldOfCallsWithoutEffect) {
+  std::vector<std::string> warnings;
+  WorldOptions options = test::options(4);
+  options.log = [&](LogLevel level, std::string_view line) {
+    if (level == LogLevel::Warning) warnings.emplace_back(line);
+  };
+  Scene scene = test::tower(1);  // the ground is the first body
+  World world(scene, options);
+  world.applyForce(world.bodyAt(1), {1, 0, 0});
+  world.applyImpulse(world.bodyAt(1), {1, 0, 0});
+  world.step();
+  EXPECT_EQ(warnings, std::vector<std::string>());
+  for (int k = 0; k < 3; ++k) {
+    world.applyForce(world.bodyAt(0), {1, 0, 0});
+    world.applyImpulse(world.bodyAt(0), {1, 0, 0});
+    EXPECT_TRUE(world.events().contacts.empty());
+    world.step();
+  }
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[0].find("static"), std::string::npos);
+  EXPECT_NE(warnings[1].find("WorldOptions::events"), std::string::npos);
+
+  options.events = true;
+  World heard(scene, options);
+  heard.step();
+  EXPECT_FALSE(heard.events().contacts.empty());
+  heard.step();
+  EXPECT_EQ(warnings.size(), 2u);
+}
+
 }  // namespace
 }  // namespace rubble

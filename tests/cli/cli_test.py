@@ -70,6 +70,8 @@ class Replay(Case):
         self.rubble("replay", other)
         self.refused("replay", self.write("damaged.inputs", lines[0] + "\n{"), says="line 2")
         self.refused("replay", self.path("none"), says="none")
+        done = self.refused("replay", self.write("empty.inputs", ""), says="expected a log of inputs, got an empty file")
+        self.assertNotIn("json.exception", self.refused("replay", self.write("text.inputs", "no"), says="line 1").stderr)
 
 
 class Usage(Case):
@@ -101,9 +103,13 @@ class Usage(Case):
 
     def test_check_cooks_shapes(self):
         flat = {"type": "hull", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]}
-        self.refused("check", self.write("flat.json", {"bodies": [{"shape": flat}]}), says="bodies[0].shape.points")
+        file = self.write("flat.json", {"bodies": [{"shape": flat}]})
+        self.refused("check", file, says="bodies[0].shape.points")
+        fault = json.loads(self.rubble("check", file, "--json", status=2).stdout)[0]["faults"][0]
+        self.assertEqual(fault["path"], "bodies[0].shape.points")
+        self.assertTrue(fault["message"].startswith("expected "))
         late = {**FALLING, "events": [{"step": 3, "add": [{"shape": flat}]}]}
-        self.refused("check", self.write("late.json", late), says="events[0].add: bodies[0].shape.points")
+        self.refused("check", self.write("late.json", late), says="events[0].add[0].shape.points: expected")
 
     def test_names_that_do_not_exist(self):
         self.assertIn("pile-1k", self.refused("run", "pile-1kk", says="pile-1kk").stderr)
@@ -121,15 +127,27 @@ class Usage(Case):
     def test_mistyped_words_are_answered_with_near_ones(self):
         for words, says in [(["runn", "pile-1k"], "did you mean run?"), (["info", "sceens"], "or scenes?"),
                             (["run", "pile-1k", "--step", "10"], "did you mean --steps"),
+                            (["sceens"], "did you mean info scene or info scenes?"),
+                            (["pile-1kk"], "run pile-1k"),
                             (["run", "pile-1k", "--param", "iteration=5"], "iterations"),
                             (["run", "pile-1k", "--param", "K=5"], "rubble info params"),
                             (["run", "scene.yaml"], ".json"), (["run", "zzzzzzzz"], "rubble info scenes")]:
             self.assertLess(len(self.refused(*words, says=says).stderr), 500, words)
 
     def test_numbers_say_what_was_expected(self):
-        for option, value in [("-n", "0"), ("-n", "abc"), ("--dt", "-1"), ("-n", "1" * 400), ("-i", "nan")]:
-            done = self.refused("run", "pile-1k", option, value, says="expected a number above 0")
+        whole = "expected a whole number from 1 to 2147483647, got "
+        for option, value, says in [("-n", "0", whole), ("-n", "abc", whole), ("-n", "3.5", whole), ("-i", "nan", whole),
+                                    ("-n", "9" * 20, whole + "9" * 20), ("-n", "1" * 400, whole),
+                                    ("--dt", "-1", "expected a number above 0"),
+                                    ("-t", "-1", "expected a whole number from 0 to")]:
+            done = self.refused("run", "pile-1k", option, value, says=says)
             self.assertLess(len(done.stderr), 300)
+
+    def test_help_lists_names_alone(self):
+        text = self.rubble("run", "--help").stdout
+        self.assertIn("{letters,messages,stores}", text)
+        self.assertNotIn("->", text)
+        self.refused("run", "pile-1k", "--exchange", "pigeons", says="{letters,messages,stores}")
 
     def test_a_backend_that_is_off_says_why(self):
         if "cuda" not in json.loads(self.rubble("info", "build", "--json").stdout)["backends"]:
@@ -165,6 +183,9 @@ class Usage(Case):
         listed = json.loads(self.rubble("check", good, bad, "--json", status=2).stdout)
         self.assertEqual([entry["good"] for entry in listed], [True, False])
         self.assertTrue(all(fault["message"] for fault in listed[1]["faults"]))
+        listed = json.loads(self.rubble("check", self.path("none.json"), self.write("empty.json", ""), good, "--json", status=2).stdout)
+        self.assertEqual([entry["good"] for entry in listed], [False, False, True])
+        self.assertEqual(listed[1]["faults"][0]["message"], "expected a scene, got an empty file")
         compared = json.loads(self.rubble("compare", good, "--steps", "3", "--json").stdout)
         self.assertEqual([entry["step"] for entry in compared["steps"]], [1, 2, 3])
 
@@ -172,6 +193,32 @@ class Usage(Case):
         for option in ["--json", "--record", "--record-inputs"]:
             done = self.rubble("run", self.falling(), option, "/nowhere/out.rubble", status=2)
             self.assertNotIn("step", done.stderr)
+        for words in [["run", self.falling(), "--every", "30", "--checkpoint"], ["bench", self.falling(), "--json"],
+                      ["bench", "--search-60hz", "--json"], ["soak", "--steps", "5", "--json"],
+                      ["export", self.falling(), "--record", self.path("kept.rubble"), "-o"]]:
+            done = self.refused(*words, "/nowhere/out.csv", says="/nowhere/out.csv: expected a file that can be written")
+            self.assertNotIn("step", done.stderr)
+        self.assertFalse(os.path.exists(self.path("kept.rubble")))
+
+    def test_what_was_written_as_json(self):
+        def written(*words):
+            record = json.loads(self.rubble(*words, "-q", "--json").stdout)
+            for entry in record["files"]:
+                self.assertEqual(entry["bytes"], os.path.getsize(entry["file"]))
+            return [os.path.basename(entry["file"]) for entry in record["files"]], record
+
+        files, record = written("export", self.falling(), "--steps", "3", "-o", self.path("fall.csv"))
+        self.assertEqual((files, record["frames"]), (["fall.csv"], 4))
+        files, record = written("demo", "--scene", self.falling(), "--out", self.path("out"), "--steps", "3", "--no-film")
+        self.assertEqual(set(files), set(os.listdir(self.path("out"))))
+        self.assertIs(record["holds"], True)
+        cube = "".join(f"v {x} {y} {z}\n" for x in (0, 1) for y in (0, 1) for z in (0, 1))
+        cube += "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
+        mesh = self.write("cube.obj", cube)
+        files, record = written("fracture", mesh, "--pieces", "3", "-o", self.path("cube.json"))
+        self.assertEqual(files, ["cube.json"])
+        self.assertGreaterEqual(record["bodies"], 3)
+        self.refused("fracture", mesh, "--json", "--run", says="--json")
 
     def test_files_that_cannot_be_written(self):
         for option in ["--json", "--record", "--picture"]:

@@ -42,4 +42,6 @@ class DrawingCase(unittest.TestCase):
         return done
 
     def refused(self, *arguments, says, environment=None):
-        self.assertIn(says, self.rubble(*arguments, status=2, environment=environment).stderr)
+        done = self.rubble(*arguments, status=2, environment=environment)
+        self.assertIn(says, done.stderr)
+        return done

@@ -175,7 +175,12 @@ class Render(Case):
                         "--samples", "1", "-q")
             pictures.add(self.content("c.png"))
         self.assertEqual(len(pictures), 8)
-        self.refused("render", self.scene(), "-o", self.path("c.png"), "--camera", "moon", says="corner")
+        wrong = [["--camera", "moon", "corner"], ["--camera-path", self.path("none.json"), "expected a file that can be read, got none"],
+                 ["--depth", "/nowhere/d.npy", "/nowhere/d.npy"], ["--normals", "/nowhere/n_%04d.png", "/nowhere/n_"]]
+        for option, value, says in wrong:
+            done = self.refused("render", self.scene(), "-o", self.path("wrong.png"), option, value, says=says)
+            self.assertNotIn("step", done.stderr)
+        self.assertFalse(os.path.exists(self.path("wrong.png")))
 
     def test_colors_and_lines_show_the_world(self):
         pictures = set()
@@ -349,6 +354,17 @@ class Plot(Case):
         self.refused("plot", report, "-o", self.path("plot.svg"), says="JSON")
         self.rubble("run", self.scene(), "-q", "--json", report)
         self.refused("plot", report, "-o", self.path("plot.svg"), "--kind", "energy", says="--series")
+
+    def test_what_is_zero_throughout_has_no_panel(self):
+        with open(self.path("floating.json"), "w", encoding="utf-8") as file:
+            json.dump({"gravity": [0, 0, 0], "steps": 5,
+                       "bodies": [{"shape": {"type": "sphere", "radius": 0.5}, "velocity": [1, 0, 0]}]}, file)
+        self.rubble("run", self.path("floating.json"), "-q", "--series", "--json", self.path("f.json"))
+        titles = [pattern(run) for run in runs(self.plotted(self.path("f.json")))]
+        self.assertNotIn(pattern("Deepest contact"), titles)
+        self.assertIn(pattern("Energy, kinetic and potential"), titles)
+        record = json.loads(self.rubble("plot", self.path("f.json"), "-o", self.path("f.svg"), "--json").stdout)
+        self.assertEqual(record["files"], [{"file": self.path("f.svg"), "bytes": os.path.getsize(self.path("f.svg"))}])
 
 
 class WithoutTheirPackages(Case):

@@ -382,6 +382,7 @@ TEST_P(Query, OneFindsWhatItFindsAmongMany) {
   constexpr int kCount = 60;
   const test::RandomQueries asked(62, kCount);
   const auto rays = world.castRays(asked.rays);
+  const auto allRays = world.castRaysAll(asked.rays);
   const auto casts = world.castShapes(asked.casts);
   const auto shapes = world.overlaps(asked.shapes);
   const auto points = world.closestPoints(asked.points);
@@ -390,10 +391,11 @@ TEST_P(Query, OneFindsWhatItFindsAmongMany) {
   };
   int hits = 0;
   for (std::size_t i = 0; i < kCount; ++i) {
-    EXPECT_TRUE(same(world.castRays({&asked.rays[i], 1})[0], rays[i])) << i;
-    EXPECT_TRUE(same(world.castShapes({&asked.casts[i], 1})[0], casts[i])) << i;
-    EXPECT_TRUE(same(world.closestPoints({&asked.points[i], 1})[0], points[i])) << i;
-    EXPECT_EQ(world.overlaps({&asked.shapes[i], 1})[0], shapes[i]) << i;
+    EXPECT_TRUE(same(world.castRay(asked.rays[i]), rays[i])) << i;
+    EXPECT_TRUE(same(world.castShape(asked.casts[i]), casts[i])) << i;
+    EXPECT_TRUE(std::ranges::equal(world.castRayAll(asked.rays[i]), allRays[i], same)) << i;
+    EXPECT_TRUE(same(world.closestPoint(asked.points[i]), points[i])) << i;
+    EXPECT_EQ(world.overlap(asked.shapes[i]), shapes[i]) << i;
     hits += rays[i].hit + casts[i].hit + points[i].hit + !shapes[i].empty();
   }
   EXPECT_GT(hits, kCount);
