@@ -8,8 +8,8 @@ LINE_HEIGHT = 14  # of labels
 class Line:
     """A line through points {x: y}.
 
-    label: written beside its last point. dash: of the stroke, as in SVG; a line with dashes is thinner and has
-    no dots.
+    label: written beside its last point. dash: of the stroke, as in SVG; a line with dashes is thinner.
+    dots: at its points, unless it has dashes.
     """
 
     def __init__(self, points, color, label=None, dash=None, dots=True):
@@ -54,7 +54,8 @@ def chart(lines, x_ticks, y_ticks, y_range, x_label, y_label, *, log_x=True, log
         out.append(f'<text x="{x(value):.1f}" y="{HEIGHT - BOTTOM + 20}" text-anchor="middle">'
                    f'{number(value)}</text>')
     out.append(f'<text x="{LEFT}" y="{TOP - 8}">{y_label}</text>')
-    out.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 8}" text-anchor="middle">{x_label}</text>')
+    out.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 8}" text-anchor="middle">'
+               f'{x_label}</text>')
     if mark:
         out.append(f'<path d="M{LEFT} {y(mark[0]):.1f}H{WIDTH - RIGHT}" stroke="#777777" '
                    'stroke-dasharray="1 3"/>'
@@ -69,5 +70,6 @@ def chart(lines, x_ticks, y_ticks, y_range, x_label, y_label, *, log_x=True, log
                     for a, b in line.points.items()]
         if line.label:
             last = list(line.points)[-1]
-            out.append(f'<text x="{x(last) + 8:.1f}" y="{heights[k]:.1f}" fill="{line.color}">{line.label}</text>')
+            out.append(f'<text x="{x(last) + 8:.1f}" y="{heights[k]:.1f}" fill="{line.color}">'
+                       f'{line.label}</text>')
     return "\n".join(out + ["</svg>"]) + "\n"

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "cook/checks.h"
 #include "cook/cook.h"
 
 namespace rubble::cooking {
@@ -14,6 +15,8 @@ namespace {
 
 /// Faces that meet at less than this angle from flat count as one (3 degrees).
 constexpr double kFlatCosine = .99863;
+/// Twice the area of a triangle [m2]. Its square is a number of single precision.
+constexpr double kLeastArea = 1e-18, kMostArea = 1e18;
 
 struct Range {
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
@@ -149,8 +152,13 @@ void addMesh(CookedShape& out, const Shape& shape, const Path& path) {
   for (std::size_t t = 0; t < g.triangles.size(); ++t) {
     for (const int v : g.triangles[t]) boxes[t].add(at(g.points, v));
     const Vec3 a = at(g.points, g.triangles[t][0]);
-    if (!(length(cross(at(g.points, g.triangles[t][1]) - a, at(g.points, g.triangles[t][2]) - a)) > 0))
-      throw Error((path + ".triangles")[t], "a triangle with an area", "one without");
+    const double twice = length(
+        cross(at(g.points, g.triangles[t][1]) - a, at(g.points, g.triangles[t][2]) - a));
+    if (!(twice >= kLeastArea && twice <= kMostArea))
+      throw Error(
+          (path + ".triangles")[t],
+          "a triangle with an area of " + text(kLeastArea / 2) + " to " + text(kMostArea / 2) + " [m2]",
+          text(twice / 2));
     whole.add(boxes[t]);
   }
   setBounds(out, whole);

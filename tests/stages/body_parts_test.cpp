@@ -49,21 +49,34 @@ TEST(FreePath, IncludesOnlyGravityThatTheBodyFollowed) {
 }
 
 /// Bodies pass one another at less than the gap at which an impact is found, and at more.
-TEST(BoundingSpheres, MeetWhereverAnImpactMayBeFound) {
+TEST(BoundsOnMotions, MeetWhereverAnImpactMayBeFound) {
   constexpr Real kRadius = .1;
   BodyParams params[2];
   params[0] = params[1] = dynamicBody({{0, 0, 0}, kRadius, ShapeKind::Sphere, -1});
   const Real gap = kImpactGap * pairLength(params[0], params[1]);
   for (const Real share : {-.5, 0., .9, 5.}) {
     Vec3d position[2] = {{-3, 0, 0}, {3, 2 * kRadius + share * gap, 0}};
+    Quat orientation[2];
     SolverData s{};
-    s.params = params, s.position = position;
+    s.params = params, s.position = position, s.orientation = orientation;
     const SweptMotion a{{5, 0, 0}, {}}, b{{-5, 0, 0}, {}}, ends{{-5, 0, 0}, {}, .1};
-    EXPECT_EQ(spheresMeet(s, 0, 1, a, b), share < 1) << share;
+    EXPECT_EQ(boundsMeet(s, 0, 1, a, b), share < 1) << share;
     // they are still apart after a quarter of the way, and A alone does not get to B
-    EXPECT_FALSE(spheresMeet(s, 0, 1, a, b, .25));
-    EXPECT_FALSE(spheresMeet(s, 0, 1, a, ends));
+    EXPECT_FALSE(boundsMeet(s, 0, 1, a, b, .25));
+    EXPECT_FALSE(boundsMeet(s, 0, 1, a, ends));
   }
+}
+
+TEST(BoundsOnMotions, OfLongBodiesAreThinnerThanTheirSpheresUnlessTheyTurn) {
+  BodyParams params[2];
+  params[0] = params[1] = dynamicBody({{1, .05, .05}, 0, ShapeKind::Box, -1});
+  Vec3d position[2] = {{-3, 0, 0}, {3, .5, 0}};
+  Quat orientation[2];
+  SolverData s{};
+  s.params = params, s.position = position, s.orientation = orientation;
+  const SweptMotion a{{5, 0, 0}, {}}, b{{-5, 0, 0}, {}}, turning{{5, 0, 0}, {0, 0, 1.5}};
+  EXPECT_FALSE(boundsMeet(s, 0, 1, a, b));
+  EXPECT_TRUE(boundsMeet(s, 0, 1, turning, b));
 }
 
 TEST(RecordedImpact, IsTheFirstOfThoseOfAPair) {
