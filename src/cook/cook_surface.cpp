@@ -155,10 +155,10 @@ void addMesh(CookedShape& out, const Shape& shape, const Path& path) {
     const double twice = length(
         cross(at(g.points, g.triangles[t][1]) - a, at(g.points, g.triangles[t][2]) - a));
     if (!(twice >= kLeastArea && twice <= kMostArea))
-      throw Error(
-          (path + ".triangles")[t],
-          "a triangle with an area of " + text(kLeastArea / 2) + " to " + text(kMostArea / 2) + " [m2]",
-          text(twice / 2));
+      throw Error((path + ".triangles")[t],
+                  "a triangle with an area of " + checks::text(kLeastArea / 2) + " to " +
+                      checks::text(kMostArea / 2) + " [m2]",
+                  checks::text(twice / 2));
     whole.add(boxes[t]);
   }
   setBounds(out, whole);
