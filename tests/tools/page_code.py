@@ -105,7 +105,7 @@ def check_commands(rubble):
             for line in code.replace("\\\n", " ").splitlines():
                 words = shlex.split(line, comments=True)
                 at = next((i for i, word in enumerate(words) if word.split("/")[-1] == "rubble"), None)
-                if at is None or at + 1 >= len(words) or words[0] in ("source", "docker"):
+                if at is None or at + 1 >= len(words) or words[0] in ("source", "docker", "tools/race"):
                     continue
                 command = words[at + 1]
                 if command not in helps:
