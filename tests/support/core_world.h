@@ -59,8 +59,11 @@ class CoreWorld {
     joint.alive = true;
     apply(executor_.tables(), SetJoint{slot, joint});
   }
-  /// Counters at zero, constants of the next step.
-  void begin() { beginStep(view(), settings_, 0); }
+  /// Counters and counts at zero, constants of the next step.
+  void begin() {
+    beginStep(view(), settings_, 0);
+    clear(executor_);
+  }
 
   /// Pairs (low, high) of the broad phase.
   std::set<std::pair<int, int>> pairs() {
