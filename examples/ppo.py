@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Proximal policy optimization (Schulman et al., 2017) in one file: python examples/ppo.py cart-pole
 
-Needs torch and gymnasium. Prints the mean over all worlds of the return of their last episode, and --out writes
-it as lines of "steps, seconds, mean return". With --backend cuda the networks are on the device, too.
+Needs torch and gymnasium. Prints the mean over all worlds of the return of their last episode, and --out
+writes it as lines of "steps, seconds, mean return". With --backend cuda the networks are on the device, too.
 """
 import argparse
 import time

@@ -70,8 +70,10 @@ class Replay(Case):
         self.rubble("replay", other)
         self.refused("replay", self.write("damaged.inputs", lines[0] + "\n{"), says="line 2")
         self.refused("replay", self.path("none"), says="none")
-        done = self.refused("replay", self.write("empty.inputs", ""), says="expected a log of inputs, got an empty file")
-        self.assertNotIn("json.exception", self.refused("replay", self.write("text.inputs", "no"), says="line 1").stderr)
+        done = self.refused("replay", self.write("empty.inputs", ""),
+                            says="expected a log of inputs, got an empty file")
+        done = self.refused("replay", self.write("text.inputs", "no"), says="line 1")
+        self.assertNotIn("json.exception", done.stderr)
 
 
 class Usage(Case):
@@ -136,7 +138,8 @@ class Usage(Case):
 
     def test_numbers_say_what_was_expected(self):
         whole = "expected a whole number from 1 to 2147483647, got "
-        for option, value, says in [("-n", "0", whole), ("-n", "abc", whole), ("-n", "3.5", whole), ("-i", "nan", whole),
+        for option, value, says in [("-n", "0", whole), ("-n", "abc", whole), ("-n", "3.5", whole),
+                                    ("-i", "nan", whole),
                                     ("-n", "9" * 20, whole + "9" * 20), ("-n", "1" * 400, whole),
                                     ("--dt", "-1", "expected a number above 0"),
                                     ("-t", "-1", "expected a whole number from 0 to")]:
@@ -183,7 +186,8 @@ class Usage(Case):
         listed = json.loads(self.rubble("check", good, bad, "--json", status=2).stdout)
         self.assertEqual([entry["good"] for entry in listed], [True, False])
         self.assertTrue(all(fault["message"] for fault in listed[1]["faults"]))
-        listed = json.loads(self.rubble("check", self.path("none.json"), self.write("empty.json", ""), good, "--json", status=2).stdout)
+        done = self.rubble("check", self.path("none.json"), self.write("empty.json", ""), good, "--json", status=2)
+        listed = json.loads(done.stdout)
         self.assertEqual([entry["good"] for entry in listed], [False, False, True])
         self.assertEqual(listed[1]["faults"][0]["message"], "expected a scene, got an empty file")
         compared = json.loads(self.rubble("compare", good, "--steps", "3", "--json").stdout)
@@ -193,10 +197,12 @@ class Usage(Case):
         for option in ["--json", "--record", "--record-inputs"]:
             done = self.rubble("run", self.falling(), option, "/nowhere/out.rubble", status=2)
             self.assertNotIn("step", done.stderr)
-        for words in [["run", self.falling(), "--every", "30", "--checkpoint"], ["bench", self.falling(), "--json"],
+        for words in [["run", self.falling(), "--every", "30", "--checkpoint"],
+                      ["bench", self.falling(), "--json"],
                       ["bench", "--search-60hz", "--json"], ["soak", "--steps", "5", "--json"],
                       ["export", self.falling(), "--record", self.path("kept.rubble"), "-o"]]:
-            done = self.refused(*words, "/nowhere/out.csv", says="/nowhere/out.csv: expected a file that can be written")
+            done = self.refused(*words, "/nowhere/out.csv",
+                                says="/nowhere/out.csv: expected a file that can be written")
             self.assertNotIn("step", done.stderr)
         self.assertFalse(os.path.exists(self.path("kept.rubble")))
 
@@ -209,7 +215,8 @@ class Usage(Case):
 
         files, record = written("export", self.falling(), "--steps", "3", "-o", self.path("fall.csv"))
         self.assertEqual((files, record["frames"]), (["fall.csv"], 4))
-        files, record = written("demo", "--scene", self.falling(), "--out", self.path("out"), "--steps", "3", "--no-film")
+        files, record = written("demo", "--scene", self.falling(), "--out", self.path("out"), "--steps", "3",
+                                "--no-film")
         self.assertEqual(set(files), set(os.listdir(self.path("out"))))
         self.assertIs(record["holds"], True)
         cube = "".join(f"v {x} {y} {z}\n" for x in (0, 1) for y in (0, 1) for z in (0, 1))

@@ -175,10 +175,13 @@ class Render(Case):
                         "--samples", "1", "-q")
             pictures.add(self.content("c.png"))
         self.assertEqual(len(pictures), 8)
-        wrong = [["--camera", "moon", "corner"], ["--camera-path", self.path("none.json"), "expected a file that can be read, got none"],
-                 ["--depth", "/nowhere/d.npy", "/nowhere/d.npy"], ["--normals", "/nowhere/n_%04d.png", "/nowhere/n_"]]
+        wrong = [["--camera", "moon", "corner"],
+                 ["--camera-path", self.path("none.json"), "expected a file that can be read, got none"],
+                 ["--depth", "/nowhere/d.npy", "/nowhere/d.npy"],
+                 ["--normals", "/nowhere/n_%04d.png", "/nowhere/n_"]]
         for option, value, says in wrong:
-            done = self.refused("render", self.scene(), "-o", self.path("wrong.png"), option, value, says=says)
+            done = self.refused("render", self.scene(), "-o", self.path("wrong.png"), option, value,
+                                says=says)
             self.assertNotIn("step", done.stderr)
         self.assertFalse(os.path.exists(self.path("wrong.png")))
 
@@ -363,8 +366,9 @@ class Plot(Case):
         titles = [pattern(run) for run in runs(self.plotted(self.path("f.json")))]
         self.assertNotIn(pattern("Deepest contact"), titles)
         self.assertIn(pattern("Energy, kinetic and potential"), titles)
-        record = json.loads(self.rubble("plot", self.path("f.json"), "-o", self.path("f.svg"), "--json").stdout)
-        self.assertEqual(record["files"], [{"file": self.path("f.svg"), "bytes": os.path.getsize(self.path("f.svg"))}])
+        plot = self.path("f.svg")
+        record = json.loads(self.rubble("plot", self.path("f.json"), "-o", plot, "--json").stdout)
+        self.assertEqual(record["files"], [{"file": plot, "bytes": os.path.getsize(plot)}])
 
 
 class WithoutTheirPackages(Case):

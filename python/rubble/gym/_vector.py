@@ -102,9 +102,11 @@ class WorldsEnv(VectorEnv):
         return array.reshape(self.num_envs, self._body_count, array.shape[1])[:, self.bodies[body]]
 
     def vertices(self, name: str, what: str = "positions", of: Optional[Callable] = None) -> np.ndarray:
-        """Positions [m] or "velocities" [m/s] of a deformable object: (num_envs, vertices, 3), or ``of(them)``
-        in their place. With the backend "cuda" it is called with a tensor of torch on the device, so that only
-        its result goes to the host."""
+        """Positions [m] or "velocities" [m/s] of a deformable object: (num_envs, vertices, 3).
+
+        With `of`, ``of(them)`` in their place. With the backend "cuda" it is called with a tensor of torch on
+        the device, so that only its result goes to the host.
+        """
         block = self.worlds[0].deformables[name]
         array = self.worlds.vertex_array({"positions": "position", "velocities": "velocity"}[what])
         rows = slice(block.first_vertex, block.first_vertex + len(block))
@@ -195,7 +197,7 @@ class WorldsEnv(VectorEnv):
 
 
 def on_host(array: Any, of: Callable = lambda array: array) -> np.ndarray:
-    """``of(array)`` of an array of `rubble.Worlds`, in host memory. Device arrays are tensors of torch for it."""
+    """``of(array)`` of an array of `rubble.Worlds`, in host memory. It sees device arrays as tensors."""
     if isinstance(array, np.ndarray):
         return of(array)
     import torch
