@@ -10,7 +10,7 @@ from ._gantry import Gantry, scene
 from ._hand import lifting
 from ._vector import box
 
-_EDGE = 0.05
+_EDGE = 0.05  # of the cube [m]
 
 
 class LiftCube(Gantry):
