@@ -93,7 +93,7 @@ TEST(RecordingOfRanks, EndsForAllIfOneCannotWrite) {
     write({1, 1, 9}, "/nowhere/at/all.rubble", {.threads = 1, .transport = &transport});
   });
   EXPECT_EQ(errors[0].find("/nowhere/at/all.rubble"), 0u) << errors[0];
-  for (const std::size_t r : {1, 2})
+  for (const std::size_t r : {1u, 2u})
     EXPECT_EQ(errors[r].find("rank 0 failed: /nowhere/at/all.rubble"), 0u) << errors[r];
 }
 
@@ -109,7 +109,7 @@ TEST(RecordingOfRanks, EndsForAllIfOneHasNoFrame) {
     writer.finish();
   });
   EXPECT_EQ(errors[1].find("recording.frame"), 0u) << errors[1];
-  for (const std::size_t r : {0, 2})
+  for (const std::size_t r : {0u, 2u})
     EXPECT_EQ(errors[r].find("rank 1 failed: recording.frame"), 0u) << errors[r];
 }
 

@@ -42,8 +42,10 @@ struct GivePartners : PeerKernel {
   }
   /// add(counter, n) adds to a counter of another rank.
   template <class Add> RUBBLE_HD void give(const SolverData& s, int i, Add&& add) const {
+    // others add to the counters of bodies at home
+    if (p.home().has(i)) return;
     const int found = s.pairCount[i];
-    if (found == 0 || p.home().has(i)) return;
+    if (found == 0) return;
     const PeerTables to = peerTables(p, p.homeOf(i));
     const int first = add(&to.s.pairCount[i], found);
     for (int k = 0; k < min(found, kPairSlots - first); ++k)
