@@ -15,8 +15,8 @@ namespace {
 
 /// Faces that meet at less than this angle from flat count as one (3 degrees).
 constexpr double kFlatCosine = .99863;
-/// Twice the area of a triangle [m2]. Its square is a number of single precision.
-constexpr double kLeastArea = 1e-18, kMostArea = 1e18;
+/// Most of twice the area of a triangle [m2]: its square is a number of single precision.
+constexpr double kMostArea = 1e18;
 
 struct Range {
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
@@ -154,11 +154,10 @@ void addMesh(CookedShape& out, const Shape& shape, const Path& path) {
     const Vec3 a = at(g.points, g.triangles[t][0]);
     const double twice = length(
         cross(at(g.points, g.triangles[t][1]) - a, at(g.points, g.triangles[t][2]) - a));
-    if (!(twice >= kLeastArea && twice <= kMostArea))
+    if (!(twice > 0 && twice <= kMostArea))
       throw Error((path + ".triangles")[t],
-                  "a triangle with an area of " + checks::text(kLeastArea / 2) + " to " +
-                      checks::text(kMostArea / 2) + " [m2]",
-                  checks::text(twice / 2));
+                  "a triangle with an area of at most " + checks::text(kMostArea / 2) + " [m2]",
+                  twice > 0 ? checks::text(twice / 2) : "one without");
     whole.add(boxes[t]);
   }
   setBounds(out, whole);

@@ -211,12 +211,12 @@ TEST(Mesh, FlatAndHollowEdgesAreNotTouchable) {
   EXPECT_EQ(edgesOf(both[0] >> 6), 0b011);
 }
 
-TEST(Mesh, RefusesTrianglesTooLargeOrTooSmallForANormalInSinglePrecision) {
+TEST(Mesh, RefusesTrianglesWithoutAnAreaOrTooLargeForANormalInSinglePrecision) {
   const auto meshOf = [](double edge) {
     return Shape::mesh({{0, 0, 0}, {edge, 0, 0}, {0, edge, 0}}, {{0, 1, 2}});
   };
   for (const double edge : {1e-8, 1e8}) EXPECT_NO_THROW(cook(meshOf(edge), "shape")) << edge;
-  for (const double edge : {1e-10, 1e10}) {
+  for (const double edge : {0., 1e10}) {
     try {
       cook(meshOf(edge), "shape");
       ADD_FAILURE() << edge;

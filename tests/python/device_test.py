@@ -47,13 +47,10 @@ class DeviceArrays(Case):
         for backend in ("cpu", "cuda"):
             worlds = rubble.Worlds(crate_scene(), 3, backend=backend)
             worlds.step(10)
-            found.append([gym_host(worlds.array(name)) for name in ("position", "velocity")])
+            arrays = [worlds.array(name) for name in ("position", "velocity")]
+            found.append([torch.as_tensor(array, device="cuda").cpu().numpy() for array in arrays])
         for cpu, cuda in zip(*found):
             self.assertNear(cuda, cpu, 1e-4)
-
-
-def gym_host(array):
-    return array if isinstance(array, np.ndarray) else torch.as_tensor(array, device="cuda").cpu().numpy()
 
 
 @unittest.skipIf(gym is None, "gymnasium is missing")
