@@ -13,7 +13,9 @@ find_path(RUBBLE_ZSTD_INCLUDE zstd.h)
 find_library(RUBBLE_ZSTD_LIBRARY zstd)
 
 # A static library from the sources of one folder. They include one another as "io/file.h". Installed, they do so in include/rubble.
+# UNITE: in groups in all builds, where headers of others take most of the time and files are short.
 function(rubble_add_library name folder)
+  cmake_parse_arguments(PARSE_ARGV 2 option "UNITE" "" "")
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h)
   add_library(${name} STATIC ${sources} ${headers})
@@ -23,7 +25,7 @@ function(rubble_add_library name folder)
   target_link_libraries(${name} PUBLIC rubble::rubble PRIVATE $<BUILD_INTERFACE:rubble_warnings>)
   target_compile_options(${name} PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Sanitize>>:-O0>)
   # scenes alike use the same names within their files
-  if(RUBBLE_UNITY AND NOT folder STREQUAL "scenes")
+  if(option_UNITE OR (RUBBLE_UNITY AND NOT folder STREQUAL "scenes"))
     rubble_unite(${name})
   endif()
 endfunction()
@@ -64,7 +66,7 @@ target_link_libraries(rubble_usd PUBLIC rubble_io)
 # Models of robots as scenes. Left out where pugixml is missing; RUBBLE_HAS_CONVERT says whether it is in.
 find_package(pugixml QUIET)
 if(pugixml_FOUND)
-  rubble_add_library(rubble_convert convert)
+  rubble_add_library(rubble_convert convert UNITE)
   target_link_libraries(rubble_convert PUBLIC rubble_usd rubble_meshes rubble_io pugixml::pugixml)
   target_compile_definitions(rubble_convert PUBLIC RUBBLE_HAS_CONVERT=1)
   rubble_compile_quickly(rubble_convert)
@@ -80,7 +82,7 @@ include(RubbleRender)
 
 # The subcommands are a library, which tests may link.
 if(RUBBLE_APPS)
-  rubble_add_library(rubble_commands apps/cli)
+  rubble_add_library(rubble_commands apps/cli UNITE)
   get_target_property(sources rubble_commands SOURCES)
   list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/apps/cli/main.cpp)
   set_target_properties(rubble_commands PROPERTIES SOURCES "${sources}")

@@ -41,8 +41,8 @@ function(rubble_compile_quickly target)
     $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1> $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Sanitize>>:-O0>)
 endfunction()
 
-# Sources of a target in groups, each compiled as one: what they include is compiled once. For builds that nobody edits, since a
-# change of one file compiles its group. Names without linkage must differ within a target then.
+# Sources of a target in groups, each compiled as one: what they include is compiled once. A change of one file compiles its group.
+# Names without linkage must differ within a target then. RUBBLE_UNITY does so with all of the library, for builds that nobody edits.
 option(RUBBLE_UNITY "Compile the sources of the library in groups" OFF)
 function(rubble_unite target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)

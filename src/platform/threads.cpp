@@ -51,6 +51,11 @@ void forEachHostTask(const TaskSystem& host, int n, FunctionRef<void(std::size_t
   if (loop.failure) std::rethrow_exception(loop.failure);
 }
 
+/// A long loop has this many ranges for each thread: cores are seldom equally fast, and those that are done
+/// early take what others have left. A short one has a range for each, because to take a range of less than
+/// so many elements from another thread costs more than it saves.
+constexpr int kTurns = 4, kWorthTaking = 32;
+
 /// f(begin, end) for `parts` ranges of the same size.
 template <class N> void forEachOf(N parts, N n, FunctionRef<void(N, N)> f) {
   if (parts == 1) return f(N{0}, n);
@@ -118,11 +123,18 @@ void forEachShare(int n, int grain, FunctionRef<void(int, int)> f) {
     return forEachOf(std::clamp(n / grain, 1, host->parts), n, f);
 #if defined(RUBBLE_HAS_TBB)
   const auto body = [&](const tbb::blocked_range<int>& range) { f(range.begin(), range.end()); };
-  tbb::parallel_for(tbb::blocked_range<int>(0, n, static_cast<std::size_t>(grain)), body,
-                    tbb::static_partitioner{});
+  const int threads = tbb::this_task_arena::max_concurrency();
+  if (const int size = n / (kTurns * threads); size >= kWorthTaking)
+    tbb::parallel_for(tbb::blocked_range<int>(0, n, static_cast<std::size_t>(size)), body,
+                      tbb::simple_partitioner{});
+  else
+    tbb::parallel_for(tbb::blocked_range<int>(0, n, static_cast<std::size_t>(grain)), body,
+                      tbb::static_partitioner{});
 #else
   const Team* const team = currentOf<Team>();
-  forEachOf(std::clamp(n / grain, 1, team ? team->threads() : 1), n, f);
+  const int threads = team ? team->threads() : 1;
+  forEachOf(n / (kTurns * threads) >= kWorthTaking ? kTurns * threads : std::clamp(n / grain, 1, threads), n,
+            f);
 #endif
 }
 

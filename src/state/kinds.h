@@ -71,6 +71,8 @@ inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes:
 ///   Unordered  like Work; the order of its elements, or what is left of counters and beyond the members of a
 ///              list, is not fixed and does not influence results
 enum class Lifetime { Authored, Derived, Batch, State, Work, Unordered };
+/// Does a snapshot keep such an array?
+constexpr bool isKept(Lifetime life) { return life == Lifetime::Authored || life == Lifetime::State; }
 
 /// Pairs that a body may own before the broad phase runs again with more room.
 inline constexpr int kPairSlots = 20;

@@ -11,8 +11,6 @@ namespace {
 
 constexpr std::size_t kAlign = 64;
 
-bool kept(Lifetime life) { return life == Lifetime::Authored || life == Lifetime::State; }
-
 /// Calls visit(array, bytes, offset) for all arrays for which wanted(lifetime) holds, packed contiguously.
 /// Returns the total number of bytes.
 template <class Wanted, class Visit>
@@ -27,7 +25,7 @@ std::size_t forEachPart(const SnapshotSizes& sizes, Wanted&& wanted, Visit&& vis
   return at;
 }
 std::size_t keptBytes(const SnapshotSizes& sizes) {
-  return forEachPart(sizes, kept, [](const auto&, std::size_t, std::size_t) {});
+  return forEachPart(sizes, isKept, [](const auto&, std::size_t, std::size_t) {});
 }
 bool isAuthored(Lifetime life) { return life == Lifetime::Authored; }
 
@@ -140,7 +138,7 @@ DeviceSnapshot::DeviceSnapshot(const SnapshotSizes& s, const SolverData& device,
                                std::shared_ptr<const AuthoredBytes> authoredBytes, cudaStream_t stream)
     : sizes(s), authored(std::move(authoredBytes)) {
   data_.reserveExactly(keptBytes(sizes));
-  forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {
+  forEachPart(sizes, isKept, [&](const auto& array, std::size_t bytes, std::size_t at) {
     checkCuda(
         cudaMemcpyAsync(data_.data() + at, device.*array.member, bytes, cudaMemcpyDeviceToDevice, stream),
         "cudaMemcpyAsync of a snapshot");
@@ -150,7 +148,7 @@ DeviceSnapshot::DeviceSnapshot(const SnapshotSizes& s, const SolverData& device,
 
 void DeviceSnapshot::put(const SolverData& device, cudaStream_t stream) const {
   made_.holdBack(stream);
-  forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {
+  forEachPart(sizes, isKept, [&](const auto& array, std::size_t bytes, std::size_t at) {
     checkCuda(
         cudaMemcpyAsync(device.*array.member, data_.data() + at, bytes, cudaMemcpyDeviceToDevice, stream),
         "cudaMemcpyAsync of a snapshot");
@@ -165,7 +163,7 @@ std::vector<std::byte> DeviceSnapshot::bytes() const {
   tables.reserve(Per::ActivePair, sizes.activePairs);
   tables.reserve(Per::Manifold, sizes.manifolds);
   *tables.view().counters = counters;
-  forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {
+  forEachPart(sizes, isKept, [&](const auto& array, std::size_t bytes, std::size_t at) {
     checkCuda(cudaMemcpy(tables.view().*array.member, data_.data() + at, bytes, cudaMemcpyDeviceToHost),
               "cudaMemcpy of a snapshot");
   });

@@ -7,12 +7,10 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-bool kept(Lifetime life) { return life == Lifetime::Authored || life == Lifetime::State; }
-
 /// Arrays with one element per body that an edit of that body writes. Offsets into other arrays are not
 /// included.
 template <class T> bool perBody(const ArrayInfo<T>& array) {
-  return array.per == Per::Body && array.extra == 0 && kept(array.life);
+  return array.per == Per::Body && array.extra == 0 && isKept(array.life);
 }
 
 }  // namespace
@@ -197,7 +195,7 @@ void Mirror::sendAll() {
   stepper_.tables().reserve(Per::PointPair, liveCount(Per::PointPair));
   stepper_.tables().reserve(Per::Rolling, liveCount(Per::Rolling));
   forEachArray([&](const auto& array) {
-    if (!kept(array.life) && array.life != Lifetime::Derived && array.life != Lifetime::Batch) return;
+    if (!isKept(array.life) && array.life != Lifetime::Derived && array.life != Lifetime::Batch) return;
     upload(array, 0, liveCount(array.per) + array.extra);
   });
   constants_.clear();

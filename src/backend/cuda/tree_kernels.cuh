@@ -75,32 +75,34 @@ template <class L> struct AssembleTreeBodiesByTile {
 };
 template <class L> struct OnDevice<AssembleTreeBodies<L>> { using Type = AssembleTreeBodiesByTile<L>; };
 
-/// D += A B for 8 x 4 and 4 x 8 matrices on tensor cores. Lane l of a warp holds A[l / 4][l % 4], B[l % 4][l
-/// / 4], and D[l / 4][l % 4 * 2 + c].
-__device__ inline void addProduct(double (&d)[2], double a, double b) {
-  asm("mma.sync.aligned.m8n8k4.row.col.f64.f64.f64.f64 {%0, %1}, {%2}, {%3}, {%0, %1};"
-      : "+d"(d[0]), "+d"(d[1])
-      : "d"(a), "d"(b));
-}
+/// Eight lanes per body. Lane i holds column i of H and of the couplings, lane 6 the force: for a row J with
+/// stiffness K and force F, lanes add J times K J_i, K J'_i of a neighbor, and -F.
+struct TreeLane {
+  static constexpr int kWidth = 8, kForce = 6;
+  /// A column of [H f], and one of each coupling.
+  struct Columns {
+    double own[6], coupling[2][6];
+  };
+  __device__ static bool isColumn(int lane) { return lane < 6; }
+  /// The column of a lane in a body's block without couplings.
+  __device__ static void load(const TreeBlock& w, int lane, double (&own)[6]) {
+#pragma unroll
+    for (int i = 0; i < 6; ++i)
+      own[i] = isColumn(lane) ? (i >= lane ? w.h.m[i][lane] : 0) : lane == kForce ? w.x.v[i] : 0;
+  }
+};
 
-/// One warp per body, which processes its joints part by part. Rows J with stiffnesses K and forces F give
-/// J^T [K J, -F] and, with J' of a neighbor, J^T K J'. Lane l holds element l / 4 of row l % 4.
+/// Adds the joints of a body, part by part, to its block.
 struct AssembleTreeJointsByTile {
   static constexpr const char* kStage = AssembleTreeJoints::kStage;
-  /// 64 registers; 48 cause spills in every part
-  static constexpr int kWidth = kWarp, kBlocks = 8;
+  /// up to 102 registers
+  static constexpr int kWidth = TreeLane::kWidth, kBlocks = 5;
 
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
     const TreeNode node = s.treeNode[n];
     TreeBlock& w = s.treeWork[n];
-    const int row = tile.lane / kRowLanes, column = tile.lane % kRowLanes * 2;
-    Sums sums{};
-#pragma unroll
-    for (int c = 0; c < 2; ++c)
-      sums.own[c] = row >= 6            ? 0
-                    : column + c <= row ? w.h.m[row][column + c]
-                    : column + c == 6   ? w.x.v[row]
-                                        : 0;
+    TreeLane::Columns sums{};
+    TreeLane::load(w, tile.lane, sums.own);
     const bool locked = tile.lane < 3 && isLocked(s, tile.lane == 0   ? node.parent[0]
                                                      : tile.lane == 1 ? node.parent[1]
                                                                       : n);
@@ -108,13 +110,12 @@ struct AssembleTreeJointsByTile {
       for (int k = s.incidenceOffset[node.body], end = s.incidenceOffset[node.body + 1]; k < end; k += kWidth)
         addJoints(s, node, k, end, tile, sums);
 #pragma unroll
-    for (int c = 0; c < 2; ++c) {
-      if (row >= 6) break;
-      if (column + c <= row) w.h.m[row][column + c] = sums.own[c];
-      if (column + c == 6) w.x.v[row] = sums.own[c];
+    for (int i = 0; i < 6; ++i) {
+      if (tile.lane == TreeLane::kForce) w.x.v[i] = sums.own[i];
+      if (!TreeLane::isColumn(tile.lane)) continue;
+      if (i >= tile.lane) w.h.m[i][tile.lane] = sums.own[i];
 #pragma unroll
-      for (int t = 0; t < 2; ++t)
-        if (column < 6) w.e[t].m[row][column + c] = sums.coupling[t][c];
+      for (int t = 0; t < 2; ++t) w.e[t].m[i][tile.lane] = sums.coupling[t][i];
     }
     if (tile.ballot(locked) == 0) return;
     __syncwarp(tile.mask);
@@ -122,52 +123,33 @@ struct AssembleTreeJointsByTile {
   }
 
  private:
-  /// Lanes that hold the rows of a part.
-  static constexpr int kRowLanes = 4;
-  static_assert(kMostTreeRows <= kRowLanes);
-  /// This lane's elements of [H f] and of the couplings.
-  struct Sums {
-    double own[2], coupling[2][2];
-  };
-  /// This lane's elements of the rows of a part: K (-F for i = 6), one of J, and one for each neighbor.
+  /// This lane's numbers of the rows of a part: K (-F for the force), and a number of J, of J' of each
+  /// neighbor, and of the second derivatives.
   struct PartOfLane {
-    int count;
-    double scale;
-    Real own, far[2], bend;
+    int count = 0;
+    double scale[kMostTreeRows];
+    Real own[kMostTreeRows], far[2][kMostTreeRows], bend;
   };
 
   __device__ static bool isLocked(const SolverData& s, int n) {
     return n >= 0 && s.target[s.treeNode[n].body].locks != 0;
   }
 
-  /// Adds the joints among a warp of incidences from k on.
+  /// Adds the joints among a tile of incidences from k on.
   __device__ static void addJoints(const SolverData& s, const TreeNode& node, int k, int end,
-                                   const Tile<kWidth>& tile, Sums& sums) {
+                                   const Tile<kWidth>& tile, TreeLane::Columns& sums) {
     const JointOfLane own = k + tile.lane < end ? jointOf(s, node, s.incidence[k + tile.lane])
                                                 : JointOfLane{};
     const int last = tile.sumBefore(own.parts) + own.parts,
               all = __shfl_sync(tile.mask, last, kWidth - 1, kWidth);
     JointOfLane joint{};
-    // parts in flight
-    constexpr int kAhead = 2;
-    for (int p = 0, next = 0, until = 0; p < all;) {
-      PartOfLane part[kAhead];
-      unsigned sides[kAhead];
-#pragma unroll
-      for (int u = 0; u < kAhead; ++u) {
-        if (p + u >= all) break;
-        for (; p + u == until; ++next) {
-          joint = own.of(next, tile);
-          until = __shfl_sync(tile.mask, last, next, kWidth);
-        }
-        part[u] = joint.hasFrameBodies() ? read<4>(joint, tile) : read<2>(joint, tile);
-        sides[u] = joint.sides;
+    for (int p = 0, next = 0, until = 0; p < all; ++p) {
+      for (; p == until; ++next) {
+        joint = own.of(next, tile);
+        until = __shfl_sync(tile.mask, last, next, kWidth);
       }
-#pragma unroll
-      for (int u = 0; u < kAhead; ++u, ++p) {
-        if (p >= all) break;
-        add(part[u], JointOfLane::farOf(sides[u], 0), JointOfLane::farOf(sides[u], 1), tile, sums);
-      }
+      const PartOfLane part = joint.hasFrameBodies() ? read<4>(joint, tile.lane) : read<2>(joint, tile.lane);
+      add(part, joint, tile, sums);
     }
   }
   /// A joint whose next part is at `part`, and its sides that are the body and its neighbors.
@@ -182,9 +164,7 @@ struct AssembleTreeJointsByTile {
           sides(static_cast<unsigned>(own | (to.side[0] + 1) << 2 | (to.side[1] + 1) << 5 |
                                       (hasFrameBodies ? 1 << 8 : 0))) {}
     __device__ int side() const { return static_cast<int>(sides & 3); }
-    __device__ static int farOf(unsigned sides, int t) {
-      return static_cast<int>(sides >> (2 + 3 * t) & 7) - 1;
-    }
+    __device__ int far(int t) const { return static_cast<int>(sides >> (2 + 3 * t) & 7) - 1; }
     __device__ bool hasFrameBodies() const { return sides >> 8 != 0; }
     /// The value of another lane.
     __device__ JointOfLane of(int lane, const Tile<kWidth>& tile) const {
@@ -218,94 +198,116 @@ struct AssembleTreeJointsByTile {
   }
 
   /// Reads the next part of a joint.
-  template <int kSides> __device__ static PartOfLane read(JointOfLane& joint, const Tile<kWidth>& tile) {
+  template <int kSides> __device__ static PartOfLane read(JointOfLane& joint, int lane) {
     const TreePart<kSides>& part = *reinterpret_cast<const TreePart<kSides>*>(joint.part);
     joint.part += sizeof part;
-    const int i = tile.lane / kRowLanes, k = tile.lane % kRowLanes, number = min(i, 5);
-    const auto of = [&](const Vec6& v) { return (&v.lin.x)[number]; };
-    // rows beyond the last are read but not used, so that the read does not depend on the count
-    const TreeRow<kSides>& row = part.row[min(k, kMostTreeRows - 1)];
-    PartOfLane own{part.count,
-                   i < 6 ? row.hessian : -row.force,
-                   of(row.j[joint.side()]),
-                   {},
-                   of(part.bend[joint.side()])};
+    const auto of = [&](const Vec6& v) { return (&v.lin.x)[min(lane, 5)]; };
+    PartOfLane own;
+    own.count = part.count;
+    own.bend = of(part.bend[joint.side()]);
 #pragma unroll
-    for (int t = 0; t < 2; ++t)
-      if (const int far = JointOfLane::farOf(joint.sides, t); far >= 0) own.far[t] = of(row.j[far]);
+    for (int k = 0; k < kMostTreeRows; ++k) {
+      if (k >= own.count) break;
+      const TreeRow<kSides>& row = part.row[k];
+      own.scale[k] = lane == TreeLane::kForce ? -row.force : row.hessian;
+      own.own[k] = of(row.j[joint.side()]);
+#pragma unroll
+      for (int t = 0; t < 2; ++t) own.far[t][k] = joint.far(t) >= 0 ? of(row.j[joint.far(t)]) : Real(0);
+    }
     return own;
   }
-  __device__ static void add(const PartOfLane& part, int far0, int far1, const Tile<kWidth>& tile,
-                             Sums& sums) {
-    const int i = tile.lane / kRowLanes, k = tile.lane % kRowLanes;
+  __device__ static void add(const PartOfLane& part, const JointOfLane& joint, const Tile<kWidth>& tile,
+                             TreeLane::Columns& sums) {
     if (part.count == 0) return;
-    const bool active = k < part.count, isNumber = active && i < 6;
-    const double own = isNumber ? static_cast<double>(part.own) : 0;
-    addProduct(sums.own, own, isNumber ? part.scale * own : active && i == 6 ? part.scale : 0);
-    const auto times = [&](Real far) { return isNumber ? part.scale * static_cast<double>(far) : 0; };
-    if (far0 >= 0) addProduct(sums.coupling[0], own, times(part.far[0]));
-    if (far1 >= 0) addProduct(sums.coupling[1], own, times(part.far[1]));
 #pragma unroll
-    for (int c = 0; c < 2; ++c)
-      if (i < 6 && i == 2 * k + c) sums.own[c] += static_cast<double>(part.bend);
+    for (int k = 0; k < kMostTreeRows; ++k) {
+      if (k >= part.count) break;
+      const double own = static_cast<double>(part.own[k]), scale = part.scale[k];
+      double j[6];
+#pragma unroll
+      for (int i = 0; i < 6; ++i) j[i] = __shfl_sync(tile.mask, own, i, kWidth);
+      const double factor = tile.lane == TreeLane::kForce ? scale : scale * own;
+#pragma unroll
+      for (int i = 0; i < 6; ++i) sums.own[i] += j[i] * factor;
+#pragma unroll
+      for (int t = 0; t < 2; ++t) {
+        if (joint.far(t) < 0) continue;
+        const double far = scale * static_cast<double>(part.far[t][k]);
+#pragma unroll
+        for (int i = 0; i < 6; ++i) sums.coupling[t][i] += j[i] * far;
+      }
+    }
+#pragma unroll
+    for (int i = 0; i < 6; ++i)
+      if (i == tile.lane) sums.own[i] += static_cast<double>(part.bend);
   }
 };
 template <> struct OnDevice<AssembleTreeJoints> { using Type = AssembleTreeJointsByTile; };
 
-/// One lane per column: H (lanes 0 to 5), the force (6), and the two couplings (8 to 13, 16 to 21). All lanes
-/// repeat the factorization of H.
+/// All lanes repeat the factorization of H. Lane i solves for column i of the couplings, lane 6 for the
+/// force.
 struct EliminateNodeByTile {
   static constexpr const char* kStage = EliminateNode::kStage;
-  static constexpr int kWidth = kWarp;
+  static constexpr int kWidth = TreeLane::kWidth, kBlocks = 5;
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
-    const int place = tile.lane / 8, column = tile.lane % 8, t = place - 1;
+    const int lane = tile.lane, column = min(lane, 5);
     const TreeNode node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
-    const bool isForce = place == 0 && column == 6, isHessian = place == 0 && column < 6;
-    const bool isCoupling = (place == 1 || place == 2) && column < 6 && node.parent[t] >= 0;
-    double c[6] = {};
+    const bool isForce = lane == TreeLane::kForce, isColumn = TreeLane::isColumn(lane);
+    TreeLane::Columns c{};
+    TreeLane::load(w, lane, c.own);
 #pragma unroll
-    for (int i = 0; i < 6; ++i) {
-      if (isHessian) c[i] = w.h.m[i][column];
-      if (isForce) c[i] = w.x.v[i];
-      if (isCoupling) c[i] = w.e[t].m[i][column];
-    }
+    for (int t = 0; t < 2; ++t)
+      if (node.parent[t] >= 0)
+#pragma unroll
+        for (int i = 0; i < 6; ++i) c.coupling[t][i] = w.e[t].m[i][column];
     for (int child = node.childBegin; child < node.childEnd; ++child) {
       const int code = s.treeChild[child], from = code >> 1, side = code & 1;
       const TreeWork& o = s.treeWork[from];
       const int far = s.treeNode[from].parent[1 - side];
-      if (!isHessian && !isForce && !(isCoupling && far >= 0 && node.parent[t] == far)) continue;
-      const Dense6 &a = o.e[side], &b = o.w[isHessian ? side : 1 - side];
+      const auto subtract = [&](double(&to)[6], const auto& factor) {
 #pragma unroll
-      for (int k = 0; k < 6; ++k) {
-        const double factor = isForce ? o.x.v[k] : b.m[k][column];
+        for (int k = 0; k < 6; ++k) {
+          const double times = factor(k);
 #pragma unroll
-        for (int i = 0; i < 6; ++i) c[i] -= a.m[k][i] * factor;
-      }
+          for (int i = 0; i < 6; ++i) to[i] -= o.e[side].m[k][i] * times;
+        }
+      };
+      subtract(c.own, [&](int k) { return isForce ? o.x.v[k] : o.w[side].m[k][column]; });
+#pragma unroll
+      for (int t = 0; t < 2; ++t)
+        if (far >= 0 && node.parent[t] == far)
+          subtract(c.coupling[t], [&](int k) { return o.w[1 - side].m[k][column]; });
     }
-    __syncwarp(tile.mask);
     Dense6 h;
 #pragma unroll
     for (int j = 0; j < 6; ++j)
 #pragma unroll
-      for (int i = 0; i < 6; ++i)
-        if (i >= j) h.m[i][j] = __shfl_sync(tile.mask, c[i], j, kWidth);
+      for (int i = j; i < 6; ++i) h.m[i][j] = __shfl_sync(tile.mask, c.own[i], j, kWidth);
     factor(h);
-    if (!isForce && !isCoupling) return;
-    Long6 x;
+    const auto solve = [&](const double(&of)[6]) {
+      Long6 x;
 #pragma unroll
-    for (int i = 0; i < 6; ++i) {
-      if (isCoupling) w.e[t].m[i][column] = c[i];
-      x.v[i] = c[i];
-    }
-    solveFactored(h, x);
+      for (int i = 0; i < 6; ++i) x.v[i] = of[i];
+      solveFactored(h, x);
+      return x;
+    };
+    // the force and the first coupling together
+    if (node.parent[0] >= 0 || isForce) {
+      double of[6];
 #pragma unroll
-    for (int i = 0; i < 6; ++i) {
-      if (isForce)
-        w.x.v[i] = x.v[i];
-      else
-        w.w[t].m[i][column] = x.v[i];
+      for (int i = 0; i < 6; ++i) of[i] = isForce ? c.own[i] : c.coupling[0][i];
+      const Long6 x = solve(of);
+#pragma unroll
+      for (int i = 0; i < 6; ++i) {
+        if (isForce) w.x.v[i] = x.v[i];
+        if (isColumn) w.e[0].m[i][lane] = of[i], w.w[0].m[i][lane] = x.v[i];
+      }
     }
+    if (node.parent[1] < 0 || !isColumn) return;
+    const Long6 x = solve(c.coupling[1]);
+#pragma unroll
+    for (int i = 0; i < 6; ++i) w.e[1].m[i][lane] = c.coupling[1][i], w.w[1].m[i][lane] = x.v[i];
   }
 };
 template <> struct OnDevice<EliminateNode> { using Type = EliminateNodeByTile; };
@@ -373,9 +375,8 @@ __device__ void forEachLevelBack(const SolverData& s, const SmallTree& tree, Lev
   }
 }
 
-/// SolveTree by a block: one warp per body for adding joints and elimination, fewer lanes for substitution.
-/// The block size lets 1000 trees be resident on a large device, with 80 registers per thread.
-inline constexpr int kTreeThreads = 3 * kWarp, kTreeBlocks = 8;
+/// SolveTree by a block, with up to 128 registers per thread.
+inline constexpr int kTreeThreads = 2 * kWarp, kTreeBlocks = 8;
 static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks)
     solveTrees(const __grid_constant__ SolverData s, Gate gate) {
   gate.enter([&] {

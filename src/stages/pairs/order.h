@@ -218,8 +218,7 @@ template <class F> struct RenumberJoints {
 
 /// Does element k of an array belong to the body at place k?
 template <class T> bool followsBodies(const ArrayInfo<T>& array) {
-  return array.per == Per::Body && array.extra == 0 &&
-         (array.life == Lifetime::Authored || array.life == Lifetime::State);
+  return array.per == Per::Body && array.extra == 0 && isKept(array.life);
 }
 
 // Operations that an executor offers between steps, in addition to some of those within a step:
