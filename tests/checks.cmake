@@ -54,6 +54,9 @@ if(RUBBLE_CHECKS)
   rubble_add_check(packaging heavy bash tests/packaging/run ${PROJECT_BINARY_DIR} ${CMAKE_CXX_COMPILER})
 
   rubble_add_check(c_abi checks ${Python3_EXECUTABLE} tools/check_abi)
+  if(TARGET rubble_c)
+    rubble_add_check(c_layout checks ${Python3_EXECUTABLE} tools/check_layout $<TARGET_FILE:rubble_c>)
+  endif()
   rubble_add_check(release long bash tests/packaging/release)
   set_tests_properties(check.release PROPERTIES RUN_SERIAL ON TIMEOUT 14400)
 

@@ -17,7 +17,7 @@ namespace cooking {
 void addHull(CookedShape& out, const Shape& shape, const Path& path);
 void addCompound(CookedShape& out, const Shape& shape, const Path& path);
 void addMesh(CookedShape& out, const Shape& shape, const Path& path);
-void addHeightField(CookedShape& out, const Shape& shape);
+void addHeightField(CookedShape& out, const Shape& shape, const Path& path);
 void addDistanceField(CookedShape& out, const Shape& shape, const Path& path);
 
 /// Starts the header of a shape's tables: the offsets of its vectors and indices. The header must be filled

@@ -15,8 +15,9 @@ namespace {
 
 /// Faces that meet at less than this angle from flat count as one (3 degrees).
 constexpr double kFlatCosine = .99863;
-/// Most of twice the area of a triangle [m2]: its square is a number of single precision.
-constexpr double kMostArea = 1e18;
+/// Twice the area of a triangle [m2]. Normals and closest points take its square in single precision, whose
+/// numbers go from 1e-38 to 3e38.
+constexpr double kLeastArea = 1e-18, kMostArea = 1e18;
 
 struct Range {
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
@@ -28,6 +29,16 @@ struct Range {
 };
 
 Vec3 at(const std::vector<Vec3>& points, int i) { return points[static_cast<std::size_t>(i)]; }
+
+void checkArea(const std::vector<Vec3>& points, const std::array<int, 3>& triangle, const Path& path) {
+  const Vec3 a = at(points, triangle[0]);
+  const double twice = length(cross(at(points, triangle[1]) - a, at(points, triangle[2]) - a));
+  if (!(twice >= kLeastArea && twice <= kMostArea))
+    throw Error(path,
+                "triangles with an area of " + checks::text(kLeastArea / 2) + " to " +
+                    checks::text(kMostArea / 2) + " [m2]",
+                checks::text(twice / 2));
+}
 
 /// A bounding volume tree over triangles in depth-first order, one triangle per leaf.
 class TreeBuilder {
@@ -151,13 +162,7 @@ void addMesh(CookedShape& out, const Shape& shape, const Path& path) {
   std::vector<Range> boxes(g.triangles.size());
   for (std::size_t t = 0; t < g.triangles.size(); ++t) {
     for (const int v : g.triangles[t]) boxes[t].add(at(g.points, v));
-    const Vec3 a = at(g.points, g.triangles[t][0]);
-    const double twice = length(
-        cross(at(g.points, g.triangles[t][1]) - a, at(g.points, g.triangles[t][2]) - a));
-    if (!(twice > 0 && twice <= kMostArea))
-      throw Error((path + ".triangles")[t],
-                  "a triangle with an area of at most " + checks::text(kMostArea / 2) + " [m2]",
-                  twice > 0 ? checks::text(twice / 2) : "one without");
+    checkArea(g.points, g.triangles[t], (path + ".triangles")[t]);
     whole.add(boxes[t]);
   }
   setBounds(out, whole);
@@ -188,7 +193,7 @@ void addMesh(CookedShape& out, const Shape& shape, const Path& path) {
     for (int e = 0; e < 3; ++e) out.indices.push_back(beyond[static_cast<std::size_t>(3 * t + e)]);
 }
 
-void addHeightField(CookedShape& out, const Shape& shape) {
+void addHeightField(CookedShape& out, const Shape& shape, const Path& path) {
   const ShapeGeometry& g = *shape.geometry;
   const int nx = g.counts[0], ny = g.counts[1];
   Range whole;
@@ -206,6 +211,7 @@ void addHeightField(CookedShape& out, const Shape& shape) {
       triangles.push_back({a, a + 1, a + nx + 1});
       triangles.push_back({a, a + nx + 1, a + nx});
     }
+  for (const auto& triangle : triangles) checkArea(points, triangle, path + ".spacing");
   const std::vector<int> flags = touchableEdges(points, triangles, false);
   const int header = beginHeader(out, 4);
   out.indices[static_cast<std::size_t>(header) + 2] = nx;

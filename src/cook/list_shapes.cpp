@@ -149,14 +149,13 @@ ShapeTraits heightField() {
     positive(g.spacing.x, path + ".spacing.x");
     positive(g.spacing.y, path + ".spacing.y");
   };
-  const auto cook = [](CookedShape& out, const Shape& s, const Path&) { cooking::addHeightField(out, s); };
   return {ShapeType::HeightField,
           "height_field",
           "surface over the local x-y plane",
           false,
           {},
           check,
-          cook,
+          cooking::addHeightField,
           massless,
           nullptr};
 }

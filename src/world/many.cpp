@@ -21,9 +21,12 @@ void expect(bool holds, const Path& path, const std::string& expected, const std
   if (!holds) throw Error(path, expected, got);
 }
 
-std::string shapeText(const ArrayView& view) {
-  return "(" + std::to_string(view.shape[0]) + ", " + std::to_string(view.shape[1]) + ")";
+std::string shapeText(std::int64_t rows, std::int64_t columns) {
+  std::string text("(");
+  text.append(std::to_string(rows)).append(", ").append(std::to_string(columns)).append(")");
+  return text;
 }
+std::string shapeText(const ArrayView& view) { return shapeText(view.shape[0], view.shape[1]); }
 
 double numberAt(const ArrayView& view, std::int64_t row, std::int64_t column) {
   const char* const at = static_cast<const char*>(view.data) + row * view.strides[0] +
@@ -162,7 +165,7 @@ void checkRows(int numbers, const ArrayView& rows, const ArrayView& values) {
   expect(rows.shape[0] >= 0 && rows.shape[1] == 1, "rows.shape", "(n, 1)", shapeText(rows));
   expect(type == "<f4" || type == "<f8", "values.typestr", "<f4 or <f8", values.typestr);
   expect(values.shape[0] == rows.shape[0] && values.shape[1] == numbers, "values.shape",
-         "(" + std::to_string(rows.shape[0]) + ", " + std::to_string(numbers) + ")", shapeText(values));
+         shapeText(rows.shape[0], numbers), shapeText(values));
   if (rows.shape[0] == 0) return;
   expect(rows.data && values.data, "rows, values", "memory", "none");
   expect(rows.device == values.device, "rows, values", "both on the host or both on the device",

@@ -260,6 +260,14 @@ TEST(TaskSystem, IsRefusedWhereItWouldNotBeUsed) {
   EXPECT_THROW(World(test::tower(1), options), Error);
 }
 
+/// A heap and a joint that breaks.
+Scene breakingScene() {
+  Scene scene = test::heap(2);
+  scene.joints.push_back(test::ball(kWorld, {9, 0, 9}, 1, {0, 0, 0}));
+  scene.joints.back().breakForce = 1;
+  return scene;
+}
+
 TEST(Log, HasWhatTheReportHasAndNothingElseIsWritten) {
   std::vector<std::string> lines;
   int warnings = 0;
@@ -268,9 +276,7 @@ TEST(Log, HasWhatTheReportHasAndNothingElseIsWritten) {
     lines.emplace_back(line);
     warnings += level == LogLevel::Warning;
   };
-  Scene scene = test::heap(2);
-  scene.joints.push_back(test::ball(kWorld, {9, 0, 9}, 1, {0, 0, 0}));
-  scene.joints.back().breakForce = 1;
+  const Scene scene = breakingScene();
   testing::internal::CaptureStdout(), testing::internal::CaptureStderr();
   World world(scene, options);
   std::size_t notable = 0;
@@ -294,6 +300,23 @@ TEST(Log, HasWhatTheReportHasAndNothingElseIsWritten) {
     }
   }
   EXPECT_EQ(other.hash(), world.hash());
+}
+
+TEST(Log, IsCalledOnTheThreadThatCalledTheWorld) {
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 2; ++k)
+    threads.emplace_back([] {
+      int lines = 0, elsewhere = 0;
+      WorldOptions options = test::options(4, "cpu", 3);
+      options.log = [&, own = std::this_thread::get_id()](LogLevel, std::string_view) {
+        ++lines, elsewhere += std::this_thread::get_id() != own;
+      };
+      World world(breakingScene(), options);
+      test::run(world, 2 * kSteps);
+      EXPECT_GT(lines, 0);
+      EXPECT_EQ(elsewhere, 0);
+    });
+  for (std::thread& thread : threads) thread.join();
 }
 
 TEST(Log, WarnsOncePerWorldOfCallsWithoutEffect) {

@@ -62,8 +62,8 @@ class Portability(CheckTest):
 
 class Help(CheckTest):
     def test_every_check_explains_itself(self):
-        for name in ("abi", "layers", "equations", "links", "pages", "portability", "sizes", "units",
-                     "words"):
+        for name in ("abi", "layers", "layout", "equations", "links", "pages", "portability", "sizes",
+                     "units", "words"):
             result = self.run_check(name, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Checks that", result.stdout)

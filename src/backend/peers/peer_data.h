@@ -22,7 +22,7 @@ template <class T> RUBBLE_HD void mark(T& flag, std::type_identity_t<T> value = 
     std::atomic_ref<T>(flag).store(value, std::memory_order_relaxed);
 }
 
-/// A body has a bit for each rank that sees it.
+/// Ranks are bits of a number.
 inline constexpr int kMostPeers = 32;
 /// Owner of bodies that every rank solves: those that touch deformable objects.
 inline constexpr int kEveryPeer = -1;
@@ -198,6 +198,12 @@ template <class F> RUBBLE_HD void forEachPeer(const PeerData& p, F&& f) {
     if (r != p.rank) f(peerTables(p, r));
 }
 
+/// Calls f(tables) for the ranks whose bits are set.
+template <class F> RUBBLE_HD void forEachOf(const PeerData& p, unsigned ranks, F&& f) {
+  for (int r = 0; ranks != 0; ranks >>= 1, ++r)
+    if (ranks & 1) f(peerTables(p, r));
+}
+
 /// The bodies of a constraint.
 struct PeerEnds {
   int count;
@@ -227,16 +233,22 @@ RUBBLE_HD inline int ownerOf(const PeerData& p, const int* owner, const std::uin
 RUBBLE_HD inline int ownerOf(const PeerData& p, const PeerEnds& ends) {
   return ownerOf(p, p.owner, p.moves, ends);
 }
-/// Does this rank own a dynamic body of it, or, if there is none, the constraint?
+/// The ranks that evaluate a constraint, a bit each: owners of its dynamic bodies, or, if there are none, its
+/// owner.
+RUBBLE_HD inline unsigned evaluatorsOf(const PeerData& p, const PeerEnds& ends) {
+  const auto bitsOf = [](int owner) { return owner == kEveryPeer ? ~0u : 1u << owner; };
+  unsigned ranks = 0;
+  for (int k = 0; k < ends.count; ++k)
+    if (const int body = ends.body[k]; p.has(body) && p.moves[body]) ranks |= bitsOf(p.owner[body]);
+  return ranks != 0 ? ranks : bitsOf(ownerOf(p, ends));
+}
 RUBBLE_HD inline bool actsHere(const PeerData& p, const PeerEnds& ends) {
-  bool moves = false;
-  for (int k = 0; k < ends.count; ++k) {
-    const int body = ends.body[k];
-    if (!p.has(body) || !p.moves[body]) continue;
-    if (p.isMine(p.owner[body])) return true;
-    moves = true;
-  }
-  return !moves && p.isMine(ownerOf(p, ends));
+  return (evaluatorsOf(p, ends) >> p.rank & 1) != 0;
+}
+/// Calls f(tables) for the other ranks, which do not evaluate the constraint. Those that do have the same
+/// bits.
+template <class F> RUBBLE_HD void forEachOnlooker(const PeerData& p, const PeerEnds& ends, F&& f) {
+  forEachOf(p, ~evaluatorsOf(p, ends) & (~0u >> (kMostPeers - p.ranks)), f);
 }
 /// Has a body of it another owner than in the last step?
 RUBBLE_HD inline bool hasNewOwner(const PeerData& p, const PeerEnds& ends) {

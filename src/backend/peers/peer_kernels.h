@@ -82,8 +82,9 @@ struct TakePartners : PeerKernel {
 /// Near pairs.
 struct ShareActivity : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    if (NearPair{p}.ownerOf(s, k) != p.rank) return;
-    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.isActive[k], s.isActive[k]); });
+    const PeerEnds ends = endsOfPair(s.pair[k]);
+    if (ownerOf(p, ends) != p.rank) return;
+    forEachOnlooker(p, ends, [&](const PeerTables& to) { to.put(to.s.isActive[k], s.isActive[k]); });
   }
 };
 /// New near pairs.
@@ -93,8 +94,9 @@ struct ShareNewActivity : PeerPost {
 /// Near active pairs.
 struct ShareTouches : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (NearActivePair{p}.ownerOf(s, i) != p.rank) return;
-    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.hasRows[i], s.hasRows[i]); });
+    const PeerEnds ends = endsOfManifold(s, i);
+    if (ownerOf(p, ends) != p.rank) return;
+    forEachOnlooker(p, ends, [&](const PeerTables& to) { to.put(to.s.hasRows[i], s.hasRows[i]); });
   }
 };
 /// Rows of all ranks, as edges of the graph of constraints.
@@ -111,7 +113,7 @@ struct ShareJoinLevel : PeerPost {
     const PeerEnds ends = endsOfRow(s, row);
     see(s, p, ends);
     if (ownerOf(p, ends) != p.rank) return;
-    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.joinLevel[row], s.joinLevel[row]); });
+    forEachOnlooker(p, ends, [&](const PeerTables& to) { to.put(to.s.joinLevel[row], s.joinLevel[row]); });
   }
 };
 struct ShareWhetherBouncing : PeerPost {
@@ -313,14 +315,9 @@ struct ShareBoundary : PeerPost {
 
 // The iterations.
 
-/// Calls f(tables) for each rank that sees an own body.
-template <class F> RUBBLE_HD void forEachSeer(const PeerData& p, int body, F&& f) {
-  int r = 0;
-  for (unsigned seers = p.seenBy[body]; seers != 0; seers >>= 1, ++r)
-    if (seers & 1) f(peerTables(p, r));
-}
+/// The pose of an own body, to the ranks that see it.
 RUBBLE_HD inline void sharePose(const SolverData& s, const PeerData& p, int body) {
-  forEachSeer(p, body, [&](const PeerTables& to) {
+  forEachOf(p, p.seenBy[body], [&](const PeerTables& to) {
     to.put(to.s.dx[body], s.dx[body]), to.put(to.s.dq[body], s.dq[body]);
   });
 }
@@ -368,19 +365,22 @@ template <class F> struct CountBreaks : PeerKernel {
 template <class F> struct ShareBreaks : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Joint<F>& joint = s.jointsOf<F>()[i];
-    if (!joint.broken || NearJoint<F>{p}.ownerOf(s, i) != p.rank) return;
-    forEachPeer(p, [&](const PeerTables& to) { to.put(to.s.jointsOf<F>()[i].broken, joint.broken); });
+    if (!joint.broken) return;
+    const PeerEnds ends = endsOfJoint<F>(s, i);
+    if (ownerOf(p, ends) != p.rank) return;
+    forEachOnlooker(p, ends,
+                    [&](const PeerTables& to) { to.put(to.s.jointsOf<F>()[i].broken, joint.broken); });
   }
 };
 /// Continuous collision detection runs everywhere and reads the contacts of fast bodies. Near pairs.
 struct ShareFastPairs : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    if (s.counters->fastBodies == 0 || !s.isActive[k] || !mayImpact(s, ordered(s.pair[k])) ||
-        NearPair{p}.ownerOf(s, k) != p.rank)
-      return;
+    if (s.counters->fastBodies == 0 || !s.isActive[k] || !mayImpact(s, ordered(s.pair[k]))) return;
+    const PeerEnds ends = endsOfPair(s.pair[k]);
+    if (ownerOf(p, ends) != p.rank) return;
     const int m = s.activePairOffset[k];
     const int row = s.rowOffset[m];
-    forEachPeer(p, [&](const PeerTables& to) {
+    forEachOnlooker(p, ends, [&](const PeerTables& to) {
       to.put(to.s.manifold[m], s.manifold[m]);
       if (s.generalShapes && s.hasRows[m]) to.put(to.s.contact[row], s.contact[row]);
     });
@@ -389,9 +389,10 @@ struct ShareFastPairs : PeerPost {
 /// Restitution runs everywhere and reads all contacts, in steps in which any contact bounces.
 struct ShareBounces : PeerPost {
   RUBBLE_HD void operator()(const SolverData& s, int row) const {
-    if (ownerOf(p, endsOfRow(s, row)) != p.rank) return;
+    const PeerEnds ends = endsOfRow(s, row);
+    if (ownerOf(p, ends) != p.rank) return;
     const int m = s.rowBodies[row].manifold;
-    forEachPeer(p, [&](const PeerTables& to) {
+    forEachOnlooker(p, ends, [&](const PeerTables& to) {
       to.put(to.s.contact[row], s.contact[row]), to.put(to.s.bounce[row], s.bounce[row]);
       to.put(to.s.manifold[m], s.manifold[m]);
       if (s.rolls) to.put(to.s.rolling[m], s.rolling[m]);

@@ -80,7 +80,7 @@ template <class M> void beginStep(M& m) {
   eachJointType(m, [&]<class F>(int n) { m.select(listOfJoints<F>(PeerJoints::Own), NearJoint<F>{p}, n); });
 }
 
-/// Flags of pairs and manifolds: the last reader is in the step before.
+/// Flags of pairs and manifolds, to ranks that do not find them: the last reader is in the step before.
 template <class M> void shareActivity(M& m) {
   if (!m.storesAtOnce()) m.eachOf(PeerList::Pairs, ShareActivity{{{m.data()}}});
   m.barrier();
@@ -188,7 +188,7 @@ template <class M> void shareMotion(M& m) {
   if (!m.storesAtOnce()) m.eachOf(PeerList::Bodies, ShareMotion{{{m.data()}}});
   m.barrier();
 }
-/// From here on owners store rows, manifolds and joints that others do not have, or have with the same bits.
+/// From here on owners store rows, manifolds and joints that others have not evaluated.
 template <class M> void shareBreaks(M& m) {
   const PeerData p = m.data();
   if (!m.tables().hasJoints()) return;
