@@ -43,7 +43,8 @@ def carts():
                               "triangles": [[0, 1, 2]]})
     worlds = rubble.Worlds(scene, 5)
     return {"np": np, "scene": scene, "worlds": worlds, "done": np.arange(5) == 2,
-            "stiffnesses": np.full(1, 10.0), "vectors": np.tile([0, 0, -9.81], (5, 1)), "rows": np.arange(5), "torques": np.zeros(5)}
+            "stiffnesses": np.full(1, 10.0), "vectors": np.tile([0, 0, -9.81], (5, 1)),
+            "rows": np.arange(5), "torques": np.zeros(5)}
 
 
 def crate():
