@@ -46,14 +46,14 @@ Scene landscape() {
     scene.bodies.push_back(wheel);
     // six axes: x and y translation locked, z a spring; rotation about y free (the axle), about z the
     // steering
-    JointDef joint = jointAt(scene, JointType::SixDof, body, 1, hub);
-    joint.name = "wheel" + std::to_string(k);
-    for (const int locked : {0, 1, 3, 5})
-      joint.axes[std::size_t(locked)].min = joint.axes[std::size_t(locked)].max = 0;
-    joint.axes[2].min = -0.15, joint.axes[2].max = 0.15;
-    joint.axes[2].driveStiffness = 20000, joint.axes[2].driveDamping = 2500;
-    joint.axes[4].driveDamping = kHard, joint.axes[4].maxDriveForce = front ? 0 : 400;
-    scene.joints.push_back(joint);
+    const JointAxis locked{.min = 0, .max = 0};
+    const JointAxis spring{.min = -0.15, .max = 0.15, .driveStiffness = 20000, .driveDamping = 2500};
+    const JointAxis motor{.driveDamping = kHard, .maxDriveForce = front ? 0. : 400.};
+    const SixDofJoint joint{.name = "wheel" + std::to_string(k),
+                            .bodyA = body,
+                            .bodyB = 1,
+                            .axes = {locked, locked, spring, locked, motor, locked}};
+    scene.joints.push_back(jointAt(scene, joint, hub));
   }
   return scene;
 }

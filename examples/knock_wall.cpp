@@ -54,9 +54,8 @@ void addMortar(Scene& scene) {
   for (int brick = 0; brick < 99; ++brick) {
     if (brick % 10 == 9) continue;
     const Vec3 between = scene.bodies[std::size_t(brick)].position + Vec3{0.25, 0, 0};
-    JointDef glue = jointAt(scene, JointType::Fixed, brick, brick + 1, between);
-    glue.breakForce = 2000;
-    scene.joints.push_back(glue);
+    const FixedJoint glue{.bodyA = brick, .bodyB = brick + 1, .breakForce = 2000};
+    scene.joints.push_back(jointAt(scene, glue, between));
   }
 }
 

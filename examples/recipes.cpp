@@ -87,15 +87,15 @@ Scene figure() {
       bodyOf(Shape::sphere(0.12), {0, 0, 1.75}), bodyOf(Shape::capsule(0.05, 0.12), {0, 0.28, 1.4}),
       bodyOf(Shape::capsule(0.04, 0.12), {0, 0.28, 1.05})};
   const Quat alongZ = frameAlong({0, 0, 1}), alongY = frameAlong({0, 1, 0});
-  JointDef neck = jointAt(scene, JointType::SwingTwist, 2, 1, {0, 0, 1.62}, alongZ);
-  neck.swingY = neck.swingZ = 0.6;              // half angles of the cone [rad]
-  neck.axes[1].min = -1, neck.axes[1].max = 1;  // twist [rad]
-  neck.friction = 1;                            // stiff muscles [N m]
-  JointDef shoulder = jointAt(scene, JointType::SwingTwist, 3, 1, {0, 0.22, 1.55}, alongZ);
-  shoulder.swingY = shoulder.swingZ = 1.4;
-  JointDef elbow = jointAt(scene, JointType::Hinge, 4, 3, {0, 0.28, 1.22}, alongY);
-  elbow.axes[0].min = -2.4, elbow.axes[0].max = 0.05;
-  scene.joints = {neck, shoulder, elbow};
+  SwingTwistJoint neck{.bodyA = 2, .bodyB = 1};
+  neck.swingY = neck.swingZ = 0.6;       // half angles of the cone [rad]
+  neck.axes[1] = {.min = -1, .max = 1};  // twist [rad]
+  neck.friction = 1;                     // stiff muscles [N m]
+  const SwingTwistJoint shoulder{.bodyA = 3, .bodyB = 1, .swingY = 1.4, .swingZ = 1.4};
+  const HingeJoint elbow{.bodyA = 4, .bodyB = 3, .axis = {.min = -2.4, .max = 0.05}};
+  scene.joints = {jointAt(scene, neck, {0, 0, 1.62}, alongZ),
+                  jointAt(scene, shoulder, {0, 0.22, 1.55}, alongZ),
+                  jointAt(scene, elbow, {0, 0.28, 1.22}, alongY)};
   return scene;
 }
 

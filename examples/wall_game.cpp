@@ -33,10 +33,9 @@ Scene level() {
     for (int column = 0; column < kWide; ++column) {
       const auto glue = [&](int other, const Vec3& half) {
         const Vec3 between = scene.bodies[std::size_t(brickAt(column, row))].position + half;
-        JointDef joint = jointAt(scene, JointType::Fixed, brickAt(column, row), other, between);
-        joint.breakForce = 400;
-        joint.collide = true;
-        scene.joints.push_back(joint);
+        const FixedJoint joint{
+            .bodyA = brickAt(column, row), .bodyB = other, .breakForce = 400, .collide = true};
+        scene.joints.push_back(jointAt(scene, joint, between));
       };
       if (column + 1 < kWide) glue(brickAt(column + 1, row), {0, 0.25, 0});
       if (row + 1 < kHigh) glue(brickAt(column, row + 1), {0, 0, 0.15});

@@ -1,11 +1,10 @@
-/// Machines as they are drawn: wheels of gears and racks have teeth, and joints to the world have a stand.
+/// Machines as they are drawn: wheels of gears and racks have teeth, and what moves in the world has a stand.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <unordered_map>
 
-#include "io/picture.h"
+#include "io/picture_stands.h"
 
 namespace rubble::io {
 namespace {
@@ -18,8 +17,6 @@ constexpr std::size_t kMostBodies = 200, kMostJoints = 60;
 constexpr int kFewTeeth = 10, kMostTeeth = 40, kMostDrawnTeeth = 400;
 /// Addendum and half widths of a tooth at its root and tip, over the pitch [1].
 constexpr double kAddendum = .22, kRootHalf = .31, kTipHalf = .15;
-/// Thickness of a stand over the size of what it carries [1].
-constexpr double kStandThickness = .12;
 
 /// A wheel: its axis and sizes in the frame of its body.
 struct Wheel {
@@ -128,55 +125,6 @@ void addGear(const JointDef& joint, const BodyDef& a, const BodyDef& b, std::siz
   if (hasB) draw(slotB, wheelB, teethB, atB);
 }
 
-PictureBody beam(const Vec3& from, const Vec3& to, double half, std::uint32_t key) {
-  PictureBody body;
-  body.shape = Shape::box({length(to - from) / 2, half, half});
-  body.position = (from + to) * .5;
-  body.orientation = frameAlong(to - from);
-  body.motion = Motion::Static;
-  body.key = key;
-  return body;
-}
-
-/// Where stands end: at the highest static plane that is level, else below all bodies as they start [m].
-double groundOf(const World& world, const Vec3& up) {
-  double plane = -std::numeric_limits<double>::infinity(), lowest = -plane;
-  for (const BodyId id : world.bodies()) {
-    const BodyDef& body = world.definition(id);
-    const double at = dot(body.position, up);
-    if (body.shape.type != ShapeType::Plane)
-      lowest = std::min(lowest, at - extentAlong({body.shape, body.position, body.orientation}, up));
-    else if (dot(rotate(body.orientation, Vec3{0, 0, 1}), up) > .99)
-      plane = std::max(plane, at);
-  }
-  return std::isfinite(plane) ? plane : lowest;
-}
-
-/// Posts beside what turns about a level axis, a post along one that is upright.
-void addStand(const JointDef& joint, bool isA, const PictureBody& carried, const Vec3& up, double ground,
-              std::vector<PictureBody>& stands) {
-  const Vec3 anchor = isA ? joint.anchorB : joint.anchorA;  // of the world
-  const Vec3 axis = rotate(isA ? joint.frameB : joint.frameA, Vec3{1, 0, 0});
-  const double along = extentAlong(carried, axis), reach = boundingRadius(carried.shape),
-               half = kStandThickness * std::min(reach, 4 * along + .1 * reach) / 2;
-  const double height = dot(anchor, up) - ground;
-  // not of a shaft along its own axis, nor of what floats
-  if (along > .6 * reach || height < 2 * half || height > 12 * reach) return;
-  const auto add = [&](const Vec3& from, const Vec3& to) {
-    stands.push_back(beam(from, to, half, kStandKeys + static_cast<std::uint32_t>(stands.size())));
-  };
-  if (std::fabs(dot(axis, up)) > .9) {
-    add(anchor - up * height, anchor + up * (1.1 * along));
-    return;
-  }
-  const Vec3 beside = normalize(axis - up * dot(axis, up)) * (along + 1.6 * half);
-  // beside what hangs down to the ground posts would only hide it
-  for (const double side : {-1., 1.})
-    if (height > 1.05 * reach)
-      add(anchor + beside * side - up * height, anchor + beside * side + up * (1.5 * half));
-  add(anchor - beside, anchor + beside);  // the axle
-}
-
 }  // namespace
 
 bool hasMachines(const World& world) {
@@ -184,7 +132,7 @@ bool hasMachines(const World& world) {
   const std::vector<JointId> joints = world.joints();
   return joints.size() <= kMostJoints && std::ranges::any_of(joints, [&](JointId id) {
            const JointType type = world.definition(id).type;
-           return type == JointType::Gear || type == JointType::Rack || type == JointType::Hinge;
+           return type == JointType::Gear || type == JointType::Rack || needsStand(world, id);
          });
 }
 
@@ -193,10 +141,7 @@ void drawMachines(const World& world, std::vector<PictureBody>& bodies) {
   std::unordered_map<int, std::size_t> slots;
   const std::vector<BodyId> ids = world.bodies();
   for (std::size_t i = 0; i < ids.size(); ++i) slots[ids[i].index] = i;
-  const Vec3 up = normalize(-world.gravity(), {0, 0, 1});
-  const double ground = groundOf(world, up);
   Drawn drawn;
-  std::vector<PictureBody> stands;
   for (const JointId id : world.joints()) {
     const JointDef& joint = world.definition(id);
     const auto [a, b] = world.bodiesOf(id);
@@ -209,12 +154,9 @@ void drawMachines(const World& world, std::vector<PictureBody>& bodies) {
       pinion.radius = std::fabs(joint.ratio);
       drawn[slots[a.index]] = {toothedWheel(pinion, 16, 0), 16};
     }
-    const bool isA = b.index < 0;
-    if (joint.type == JointType::Hinge && (isA || a.index < 0)) {
-      addStand(joint, isA, bodies[slots[(isA ? a : b).index]], up, ground, stands);
-    }
   }
   for (const auto& [slot, wheel] : drawn) bodies[slot].shape = wheel.first, bodies[slot].isWheel = true;
+  const std::vector<PictureBody> stands = standsOf(world);
   bodies.insert(bodies.end(), stands.begin(), stands.end());
 }
 

@@ -79,6 +79,9 @@ double extentAlong(const PictureBody& body, const Vec3& axis) {
       return body.shape.radius;
     case ShapeType::Capsule:
       return body.shape.radius + body.shape.halfLength * std::fabs(local.z);
+    case ShapeType::Cylinder:
+    case ShapeType::Cone:
+      return body.shape.radius * std::hypot(local.x, local.y) + body.shape.halfLength * std::fabs(local.z);
     case ShapeType::Plane:
       return 0;
     default:

@@ -13,7 +13,8 @@ bool isSolid(const io::PictureBody& body) {
 Scene wallsOf(std::span<const io::PictureBody> bodies, std::vector<std::uint32_t>& keys) {
   Scene scene;
   for (const io::PictureBody& body : bodies) {
-    if (!isSolid(body) || body.deforms || body.motion == Motion::Dynamic) continue;
+    if (!isSolid(body) || body.deforms || body.motion == Motion::Dynamic || body.key >= io::kStandKeys)
+      continue;
     BodyDef& def = scene.bodies.emplace_back();
     def.motion = Motion::Static;
     def.shape = body.shape;

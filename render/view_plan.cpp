@@ -21,6 +21,8 @@ constexpr double kHidden = .4;
 constexpr double kFollowRoom = .35;
 /// The floor lies this share of the size of the scene below everything [1].
 constexpr double kFloorGap = .02;
+/// Cosine of the angle from up within which a beam of a stand is a post.
+constexpr double kUpright = .999;
 
 bool moves(const io::PictureBody& body) {
   return body.motion != Motion::Static && body.shape.type != ShapeType::Plane &&
@@ -163,8 +165,19 @@ std::vector<io::PictureBody> ViewPlan::shown(std::vector<io::PictureBody> bodies
   std::erase_if(bodies, [&](const io::PictureBody& body) {
     return body.motion != Motion::Dynamic && !body.deforms && hidden_.contains(body.key);
   });
-  if (floor_) bodies.insert(bodies.begin(), *floor_);
+  if (!floor_) return bodies;
+  for (io::PictureBody& body : bodies)
+    if (body.key >= io::kStandKeys && body.key < kFloorKey) reachTheFloor(body);
+  bodies.insert(bodies.begin(), *floor_);
   return bodies;
+}
+
+void ViewPlan::reachTheFloor(io::PictureBody& stand) const {
+  const Vec3 up = rotate(floor_->orientation, Vec3{0, 0, 1}), x = rotate(stand.orientation, Vec3{1, 0, 0});
+  double& half = stand.shape.halfExtents.x;
+  if (stand.shape.type != ShapeType::Box || std::fabs(dot(x, up)) < kUpright) return;
+  const double gap = dot(stand.position - floor_->position, up) - half;
+  if (gap > 0) half += gap / 2, stand.position -= up * (gap / 2);
 }
 
 }  // namespace rubble::render

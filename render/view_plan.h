@@ -35,6 +35,8 @@ class ViewPlan {
 
  private:
   void leaveWallsOut(Sightlines& sight, const Vec3& eye);
+  /// Lengthens a post of a stand down to the floor.
+  void reachTheFloor(io::PictureBody& stand) const;
 
   Camera camera_;     ///< of the whole run; with follow: of what moves about `middle_`
   Vec3 middle_;       ///< [m]

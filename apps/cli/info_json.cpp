@@ -48,6 +48,8 @@ std::string forcesJson() {
     list.push_back({{"name", force.name},
                     {"doc", force.doc},
                     {"rows", force.rows},
+                    {"axes", force.axes},
+                    {"frame_bodies", force.frameBodies},
                     {"fields", fieldsJson(force.fields)}});
   return io::prettyJson(list);
 }

@@ -95,7 +95,8 @@ void drawPlots(UiState& uiState, Player& player) {
   player.measureEnergy = true;
   const std::vector<StepRecord>& records = player.records();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({size.x - kMargin, size.y - scaled(70)}, ImGuiCond_Once, {1, 1});
+  // beside the inspector, between the panel of the scene and the timeline
+  ImGui::SetNextWindowPos({kMargin, size.y - scaled(60)}, ImGuiCond_Once, {0, 1});
   ImGui::Begin("Plots", &uiState.showPlots, kPlain);
   plot("stages", "ms", stageSeries(records), plotSize());
   std::vector<Series> energy{{"kinetic", {}}, {"potential from here", {}}, {"sum", {}}};

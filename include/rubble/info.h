@@ -18,6 +18,8 @@ struct ForceInfo {
   std::string doc;
   int rows = 0;  ///< scalar constraint rows per element
   std::vector<ForceField> fields;
+  int axes = 0;              ///< entries of JointDef::axes that a joint type has
+  bool frameBodies = false;  ///< may its axes lie in frame bodies?
 };
 
 /// All force types of the engine, contact first.

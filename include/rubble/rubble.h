@@ -10,6 +10,7 @@
 #include <rubble/events.h>
 #include <rubble/ids.h>
 #include <rubble/inputs.h>
+#include <rubble/joints.h>
 #include <rubble/log.h>
 #include <rubble/material.h>
 #include <rubble/math.h>

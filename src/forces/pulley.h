@@ -73,11 +73,11 @@ struct PulleyKind {
       "value";
   static constexpr FieldRules kGiven{.always = true};
   static constexpr auto kFields = std::tuple_cat(
-      kAnchorFields,
+      LengthKind::kFields,
       std::tuple{
           field("pulley_a", "m", "point of the world that A's part runs over", &JointDef::pulleyA, kGiven),
           field("pulley_b", "m", "point of the world that B's part runs over", &JointDef::pulleyB, kGiven)},
-      kRatioField, LengthKind::kFields);
+      kRatioField);
 
   static void build(JointBuild& b) {
     const JointDef& def = b.def;

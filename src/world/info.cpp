@@ -22,7 +22,7 @@ std::string unitOf(const char* units, const std::string& axisUnit) {
 }
 
 ForceInfo infoOf(const JointKind& kind) {
-  ForceInfo info{kind.name, kind.doc, kind.rows, {}};
+  ForceInfo info{kind.name, kind.doc, kind.rows, {}, kind.axes, kind.hasFrameBodies};
   for (const JointField& field : kind.fields)
     info.fields.push_back({field.key, field.unit, field.doc + wordOf(field)});
   if (kind.axes > 0)

@@ -2,7 +2,9 @@
 #include <utility>
 
 #include <rubble/error.h>
+#include <rubble/joints.h>
 #include <rubble/scene.h>
+#include <rubble/world.h>
 
 #include "cook/checks.h"
 #include "world/joint_build.h"
@@ -65,13 +67,29 @@ Quat frameAlong(const Vec3& x) {
 
 namespace {
 
-std::pair<Vec3, Quat> poseOf(const Scene& scene, int body) {
-  if (body == kWorld) return {Vec3{}, Quat{}};
+/// Pose of the shape frame of a body, or of the world.
+struct BodyPose {
+  Vec3 position;
+  Quat orientation;
+};
+
+BodyPose poseOf(const Scene& scene, int body) {
+  if (body == kWorld) return {};
   if (body < 0 || static_cast<std::size_t>(body) >= scene.bodies.size())
     throw Error("body", "the index of one of " + std::to_string(scene.bodies.size()) + " bodies, or kWorld",
                 std::to_string(body));
   const BodyDef& def = scene.bodies[static_cast<std::size_t>(body)];
   return {def.position, normalize(def.orientation)};
+}
+
+/// The joint at a world point with axes of the world.
+JointDef placed(JointDef joint, const BodyPose& a, const BodyPose& b, const Vec3& point, const Quat& frame) {
+  joint.anchorA = rotateInverse(a.orientation, point - a.position);
+  joint.anchorB = rotateInverse(b.orientation, point - b.position);
+  joint.frameA = normalize(conjugate(a.orientation) * frame);
+  joint.frameB = normalize(conjugate(b.orientation) * frame);
+  joint.orientationAtoB = normalize(conjugate(b.orientation) * a.orientation);
+  return joint;
 }
 
 /// The moving side and the frame body of a hinge or slider. If A is the world or a static body the roles of A
@@ -91,7 +109,7 @@ Moving movingSide(const Scene& scene, int index, JointType type, const char* pat
   const auto stands = [&](int body) {
     return body == kWorld || scene.bodies.at(static_cast<std::size_t>(body)).motion == Motion::Static;
   };
-  const Quat a = poseOf(scene, joint.bodyA).second, b = poseOf(scene, joint.bodyB).second;
+  const Quat a = poseOf(scene, joint.bodyA).orientation, b = poseOf(scene, joint.bodyB).orientation;
   const bool line = type == JointType::Slider;
   if (!stands(joint.bodyA))
     return {joint.bodyA, joint.bodyB, joint.anchorA,
@@ -113,19 +131,25 @@ JointDef coupling(JointType type, const Moving& a, const Moving& b, double ratio
 
 }  // namespace
 
+JointDef jointAt(const Scene& scene, JointDef joint, const Vec3& point, const Quat& frame) {
+  const BodyPose a = poseOf(scene, joint.bodyA), b = poseOf(scene, joint.bodyB);
+  return placed(std::move(joint), a, b, point, frame);
+}
+JointDef jointAt(const World& world, JointDef joint, BodyId bodyA, BodyId bodyB, const Vec3& point,
+                 const Quat& frame) {
+  const auto poseOf = [&](BodyId id) {
+    if (id.index < 0) return BodyPose{};
+    const BodyState now = world.state(id);
+    return BodyPose{now.position, now.orientation};
+  };
+  return placed(std::move(joint), poseOf(bodyA), poseOf(bodyB), point, frame);
+}
 JointDef jointAt(const Scene& scene, JointType type, int bodyA, int bodyB, const Vec3& point,
                  const Quat& frame) {
-  const auto [pa, qa] = poseOf(scene, bodyA);
-  const auto [pb, qb] = poseOf(scene, bodyB);
   JointDef joint;
   joint.type = type;
   joint.bodyA = bodyA, joint.bodyB = bodyB;
-  joint.anchorA = rotateInverse(qa, point - pa);
-  joint.anchorB = rotateInverse(qb, point - pb);
-  joint.frameA = normalize(conjugate(qa) * frame);
-  joint.frameB = normalize(conjugate(qb) * frame);
-  joint.orientationAtoB = normalize(conjugate(qb) * qa);
-  return joint;
+  return jointAt(scene, std::move(joint), point, frame);
 }
 
 JointDef gearBetween(const Scene& scene, int hingeA, int hingeB, double ratio) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <rubble/joints.h>
 
 #include "io/picture.h"
 #include "rubble/error.h"
@@ -115,6 +116,75 @@ TEST(PictureOfMachines, StandsAreNoBodies) {
   for (std::size_t i = 3; i < bodies.size(); ++i) EXPECT_EQ(bodies[i].motion, Motion::Static);
   EXPECT_TRUE(hasMachines(world));
   EXPECT_FALSE(hasMachines(World(Scene{})));
+}
+
+/// A world of these bodies and one joint between the first one and the world.
+World heldBy(JointType type, const Shape& shape, const Vec3& axis, std::vector<BodyDef> others = {}) {
+  Scene scene;
+  BodyDef body;
+  body.shape = shape;
+  scene.bodies = {body};
+  scene.bodies.insert(scene.bodies.end(), others.begin(), others.end());
+  scene.joints = {jointAt(scene, type, 0, kWorld, {-.4, 0, 0}, frameAlong(axis))};
+  return World(scene);
+}
+std::vector<PictureBody> standsIn(const World& world) {
+  std::vector<PictureBody> bodies = pictureBodies(world);
+  std::erase_if(bodies, [](const PictureBody& body) { return body.key < kStandKeys || body.deforms; });
+  return bodies;
+}
+
+TEST(PictureOfMachines, ADoorHasItsPostAndASliderItsRail) {
+  World door = heldBy(JointType::Hinge, Shape::box({.4, .05, 1}), {0, 0, 1});
+  const std::vector<PictureBody> post = standsIn(door);
+  ASSERT_EQ(post.size(), 1u);
+  // from below the door to above it, at its hinge
+  EXPECT_NEAR(post[0].position.x, -.4, 1e-12);
+  EXPECT_NEAR(post[0].position.z + extentAlong(post[0], {0, 0, 1}), 1.1, 1e-12);
+  EXPECT_LE(post[0].position.z - extentAlong(post[0], {0, 0, 1}), -1 + 1e-12);
+
+  World slider = heldBy(JointType::Slider, Shape::box({.4, .1, .1}), {1, 0, 0});
+  const std::vector<PictureBody> rail = standsIn(slider);
+  ASSERT_FALSE(rail.empty());
+  EXPECT_NEAR(rail[0].position.z + extentAlong(rail[0], {0, 0, 1}), -.1, 1e-12)
+      << "it touches the body from below";
+  EXPECT_GT(extentAlong(rail[0], {1, 0, 0}), .8);
+  // stands stay as they are while the body moves
+  door.setVelocity(door.bodyAt(0), {0, 3, 0}, {0, 0, 3});
+  for (int step = 0; step < 20; ++step) door.step(), slider.step();
+  EXPECT_EQ(standsIn(door)[0].position, post[0].position);
+  EXPECT_EQ(standsIn(slider)[0].position, rail[0].position);
+}
+
+TEST(Picture, ACylinderReachesItsRadiusAcrossItsAxisInAllDirections) {
+  PictureBody disc;
+  disc.shape = Shape::cylinder(.5, .1);
+  for (const double angle : {0., .7, std::numbers::pi / 2, 2.})
+    EXPECT_NEAR(extentAlong(disc, {std::cos(angle), std::sin(angle), 0}), .5, 1e-12) << angle;
+  EXPECT_NEAR(extentAlong(disc, {0, 0, 1}), .1, 1e-12);
+}
+
+TEST(PictureOfMachines, APulleyHasAWheelBetweenItsPointsOrOneAtEach) {
+  for (const double half : {.3, 5.}) {
+    Scene scene;
+    for (const double side : {-1., 1.}) {
+      BodyDef body;
+      body.shape = Shape::sphere(.2);
+      body.position = {side * half, 0, -3};
+      scene.bodies.push_back(body);
+    }
+    const PulleyJoint rope{.bodyA = 0, .bodyB = 1, .pulleyA = {-half, 0, 0}, .pulleyB = {half, 0, 0}};
+    scene.joints = {rope};
+    const std::vector<PictureBody> stands = standsIn(World(scene));
+    std::vector<PictureBody> wheels;
+    for (const PictureBody& body : stands)
+      if (body.shape.type == ShapeType::Cylinder) wheels.push_back(body);
+    ASSERT_EQ(wheels.size(), half < 1 ? 1u : 2u);
+    // the rope leaves at the rims
+    EXPECT_NEAR(wheels[0].position.x - wheels[0].shape.radius, -half, 1e-12);
+    EXPECT_NEAR(wheels.back().position.x + wheels.back().shape.radius, half, 1e-12);
+    EXPECT_NEAR(std::fabs(rotate(wheels[0].orientation, Vec3{0, 0, 1}).y), 1, 1e-12) << "the axle is level";
+  }
 }
 
 TEST(Picture, PngFilesThatCannotBeWrittenAreErrors) {

@@ -18,8 +18,9 @@ BEFORE = {
                          "static struct Host { void log(int, std::string_view) {} } host;"
                          "static struct Jobs { void start(std::function<void()>) {} void wait() {} } jobs;",
     "docs/howto/arrays.md": "extern rubble::World& world;",
-    "docs/joints.md": "using namespace rubble; Scene scene; Vec3 axis; int tip, leaf, shaft, output, sun,"
-                      "planet, arm, finger, palm; double teethOfPlanet, teethOfSun;",
+    "docs/joints.md": "using namespace rubble; Scene scene; World world(scene); BodyId lamp, hook, flap, box;"
+                      "Vec3 axis; int tip, leaf, shaft, output, sun, planet, arm, finger, palm;"
+                      "double teethOfPlanet, teethOfSun;",
     "docs/soft.md": "rubble::Scene scene;",
     "docs/start.md": "rubble::Scene scene;",
     "docs/worlds.md": "rubble::Scene scene, anotherScene; rubble::WorldOptions options;"
