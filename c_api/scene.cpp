@@ -27,6 +27,7 @@ std::size_t sizeOf(const io::SceneFile& file, const std::string& list) {
   if (list == "actuators") return file.actuators.size();
   if (list == "looks") return file.appearance.looks.size();
   if (list == "cameras") return file.appearance.cameras.size();
+  if (list == "lights") return file.appearance.lights.size();
   if (list == "verdict") return file.claims.size();
   throw Error("list", "a list of a scene, such as \"bodies\"", "\"" + list + "\"");
 }

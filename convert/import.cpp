@@ -62,7 +62,7 @@ Import finished(const Model& model, Report report) {
   out.file.steps = static_cast<int>(std::clamp(std::ceil(kSeconds / out.file.dt - 1e-9), 1., 1e7));
   out.file.iterations = kIterations;
   addCameras(model, out.file);
-  out.file.appearance.toSun = model.toSun;
+  out.file.appearance.daylight.toSun = model.toSun;
   validate(out.file.scene);
   return out;
 }

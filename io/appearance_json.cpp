@@ -1,6 +1,7 @@
 #include "io/appearance_json.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "io/field_json.h"
@@ -13,6 +14,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr Want kShare{0, true, 1, "a number from 0 to 1"};
 constexpr Want kAngle{0, false, 180, "an angle above 0 and of at most 180 degrees"};
+constexpr Want kIntensity{0, false, std::numeric_limits<double>::infinity(), "an intensity above 0 [m2]"};
 constexpr double kDegree = std::numbers::pi / 180;
 /// A direction is taken as it is if its length is 1 to this much.
 constexpr double kUnit = 1e-12;
@@ -96,6 +98,9 @@ Json namedCameraJson(const NamedCamera& camera) {
   return json;
 }
 
+namespace {
+
+/// A direction, made unit.
 std::optional<Vec3> readDirection(const Node& node) {
   const auto v = node.vector();
   if (v && !(length(*v) > 0)) node.fault("a direction of some length");
@@ -103,11 +108,60 @@ std::optional<Vec3> readDirection(const Node& node) {
   return std::fabs(length(*v) - 1) <= kUnit ? *v : normalize(*v);
 }
 
+void readColor(ObjectReader& object, Vec3& out) {
+  if (const auto found = object.get("color"))
+    out = found->vector(kShare, "red, green and blue from 0 to 1").value_or(out);
+}
+
+}  // namespace
+
+void readSun(const Node& node, Daylight& out) {
+  if (!node.value().isObject()) {
+    out.toSun = readDirection(node);
+    return;
+  }
+  ObjectReader object(node, "a direction, or the sun");
+  if (const auto found = object.get("direction")) out.toSun = readDirection(*found);
+  readColor(object, out.sunColor);
+  object.read("strength", out.sunStrength, kNotNegative);
+  object.finish();
+}
+
+Json sunJson(const Daylight& light) {
+  const Daylight usual;
+  Json json = Json::object();
+  if (light.toSun) json["direction"] = vectorJson(*light.toSun);
+  if (!sameBits(light.sunColor, usual.sunColor)) json["color"] = vectorJson(light.sunColor);
+  if (!sameBits(light.sunStrength, usual.sunStrength)) json["strength"] = light.sunStrength;
+  return json.size() == 1 && light.toSun ? json["direction"] : json;
+}
+
+PointLight readPointLight(const Node& node) {
+  PointLight out;
+  ObjectReader object(node, "a light");
+  if (!object.isObject()) return out;
+  if (const auto found = object.need("position", "a point [m]"))
+    out.position = found->vector().value_or(Vec3{});
+  readColor(object, out.color);
+  object.read("intensity", out.intensity, kIntensity);
+  object.finish();
+  return out;
+}
+
+Json pointLightJson(const PointLight& light) {
+  Json json{{"position", vectorJson(light.position)}};
+  if (!sameBits(light.color, PointLight{}.color)) json["color"] = vectorJson(light.color);
+  json["intensity"] = light.intensity;
+  return json;
+}
+
 std::string appearanceText(const Appearance& appearance) {
   Json json = Json::object();
   json["looks"] = Json::array(), json["cameras"] = Json::array();
   for (const Look& look : appearance.looks) json["looks"].push_back(lookJson(look, look.body, shapeJson));
-  if (appearance.toSun) json["sun"] = vectorJson(*appearance.toSun);
+  if (Json sun = sunJson(appearance.daylight); !sun.empty()) json["sun"] = std::move(sun);
+  if (appearance.daylight.skyStrength != 1) json["sky"] = appearance.daylight.skyStrength;
+  for (const PointLight& light : appearance.lights) json["lights"].push_back(pointLightJson(light));
   for (const NamedCamera& camera : appearance.cameras) json["cameras"].push_back(namedCameraJson(camera));
   return json.dump();
 }
@@ -125,7 +179,11 @@ std::optional<Appearance> appearanceOf(const std::string& text) {
   if (const auto list = object.need("looks", "a list of looks"))
     for (const Node& element : list->elements("a list of looks"))
       out.looks.push_back(readLook(element, body, shape, {}));
-  if (const auto found = object.get("sun")) out.toSun = readDirection(*found);
+  if (const auto found = object.get("sun")) readSun(*found, out.daylight);
+  object.read("sky", out.daylight.skyStrength, kNotNegative);
+  if (const auto list = object.get("lights"))
+    for (const Node& element : list->elements("a list of lights"))
+      out.lights.push_back(readPointLight(element));
   if (const auto list = object.need("cameras", "a list of cameras"))
     for (const Node& element : list->elements("a list of cameras"))
       out.cameras.push_back(readNamedCamera(element));

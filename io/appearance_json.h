@@ -1,5 +1,5 @@
 #pragma once
-/// Looks and cameras of scene files and recordings.
+/// Looks, lights and cameras of scene files and recordings.
 #include <functional>
 #include <string>
 
@@ -19,8 +19,12 @@ nlohmann::ordered_json lookJson(const Look& look, const nlohmann::ordered_json& 
                                 const std::function<nlohmann::ordered_json(const Shape&)>& shape);
 NamedCamera readNamedCamera(const Node& node);
 nlohmann::ordered_json namedCameraJson(const NamedCamera& camera);
-/// A direction, made unit.
-std::optional<Vec3> readDirection(const Node& node);
+/// The sun: a direction, or an object with its direction, color and strength.
+void readSun(const Node& node, Daylight& out);
+/// An empty object if all is as usual.
+nlohmann::ordered_json sunJson(const Daylight& light);
+PointLight readPointLight(const Node& node);
+nlohmann::ordered_json pointLightJson(const PointLight& light);
 
 /// All of it as one text, with bodies by their indices.
 std::string appearanceText(const Appearance& appearance);

@@ -60,9 +60,9 @@ struct RecordingWriter::Impl {
     out.emplace(file);
     out->writeRaw(magicBytes());
     write(kHead, encodeHeader(header));
-    if (const Appearance& own = header.appearance; !own.looks.empty() || own.toSun || !own.cameras.empty()) {
+    if (const std::string own = appearanceText(header.appearance); own != appearanceText({})) {
       ByteWriter text;
-      text.put(appearanceText(own));
+      text.put(own);
       write(kLook, text.bytes());
     }
   }

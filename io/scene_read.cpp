@@ -13,9 +13,9 @@
 namespace rubble::io {
 
 const std::vector<std::string>& SceneReader::keys() {
-  static const std::vector<std::string> all{"name",       "description", "gravity", "steps",
-                                            "iterations", "substeps",    "dt",      "smash_step",
-                                            "materials",  "shapes",      "camera",  "sun"};
+  static const std::vector<std::string> all{
+      "name",       "description", "gravity", "steps",  "iterations", "substeps", "dt",
+      "smash_step", "materials",   "shapes",  "camera", "sun",        "sky"};
   return all;
 }
 
@@ -32,6 +32,7 @@ static constexpr std::pair<const char*, const char*> kLists[] = {
     {"actuators", "a list of actuators"},
     {"looks", "a list of looks"},
     {"cameras", "a list of cameras"},
+    {"lights", "a list of lights"},
     {"verdict", "a list of claims"},
 };
 
@@ -73,7 +74,9 @@ void SceneReader::set(SceneFile& out, const std::string& key, const Node& value)
   else if (key == "camera")
     out.camera = camera(value);
   else if (key == "sun")
-    out.appearance.toSun = readDirection(value);
+    readSun(value, out.appearance.daylight);
+  else if (key == "sky")
+    out.appearance.daylight.skyStrength = value.number(kNotNegative).value_or(1);
   else
     value.faultText("expected a key of a scene, got " + describe(key) + hint(key, keys()));
 }
@@ -108,6 +111,8 @@ void SceneReader::add(SceneFile& out, const std::string& list, const Node& eleme
     addLook(out, element);
   else if (list == "cameras")
     addCamera(out, element);
+  else if (list == "lights")
+    addLight(out, element);
   else if (list == "verdict")
     out.claims.push_back(claim(element));
   else
@@ -151,6 +156,8 @@ void SceneReader::dropLast(SceneFile& out, const std::string& list) {
     out.appearance.looks.pop_back();
   } else if (list == "cameras" && !out.appearance.cameras.empty()) {
     out.appearance.cameras.pop_back();
+  } else if (list == "lights" && !out.appearance.lights.empty()) {
+    out.appearance.lights.pop_back();
   } else if (list == "verdict" && !out.claims.empty()) {
     out.claims.pop_back();
   }

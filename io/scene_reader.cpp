@@ -243,6 +243,13 @@ void SceneReader::addCamera(SceneFile& out, const Node& element) {
   cameras.push_back(std::move(camera));
 }
 
+void SceneReader::addLight(SceneFile& out, const Node& element) {
+  std::vector<PointLight>& lights = out.appearance.lights;
+  PointLight light = readPointLight(element);
+  if (lights.size() < kMostPointLights) return lights.push_back(light);
+  element.faultText("expected at most " + std::to_string(kMostPointLights) + " lights, got more");
+}
+
 void SceneReader::addExclusion(Scene& scene, const Node& element) {
   const std::vector<Node> two = element.elements("two bodies");
   if (two.size() != 2) return element.fault("two bodies");

@@ -36,6 +36,7 @@ class SceneReader {
   void addBody(Scene& scene, const Node& element);
   void addLook(SceneFile& out, const Node& element);
   void addCamera(SceneFile& out, const Node& element);
+  void addLight(SceneFile& out, const Node& element);
   void addExclusion(Scene& scene, const Node& element);
   JointDef joint(const Node& node, const Scene& scene);
   int jointOfType(const Node& node, const Scene& scene, JointType type);

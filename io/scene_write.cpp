@@ -200,7 +200,9 @@ Json SceneWriter::write() {
   if (!sameBits(file_.dt, SceneFile{}.dt)) json["dt"] = file_.dt;
   if (file_.camera)
     json["camera"] = {{"eye", vectorJson(file_.camera->eye)}, {"target", vectorJson(file_.camera->target)}};
-  if (file_.appearance.toSun) json["sun"] = vectorJson(*file_.appearance.toSun);
+  const Daylight& daylight = file_.appearance.daylight;
+  if (Json sun = sunJson(daylight); !sun.empty()) json["sun"] = std::move(sun);
+  if (!sameBits(daylight.skyStrength, Daylight{}.skyStrength)) json["sky"] = daylight.skyStrength;
   for (const auto& [key, own] : materials_) {
     Json& material = json["materials"][key] = materialJson(own);
     material["name"] = own.name;
@@ -228,6 +230,7 @@ Json SceneWriter::write() {
     json["looks"].push_back(
         lookJson(added, bodyReference(added.body), [this](const Shape& each) { return shapeOf(each); }));
   for (const NamedCamera& added : file_.appearance.cameras) json["cameras"].push_back(namedCameraJson(added));
+  for (const PointLight& added : file_.appearance.lights) json["lights"].push_back(pointLightJson(added));
   for (const FileClaim& added : file_.claims) json["verdict"].push_back(claim(added));
   return json;
 }

@@ -238,6 +238,15 @@ void Renderer::Impl::drawLight(const Eye& eye, const Setting& setting, const Qua
   light.set("shadowSoftness",
             (quality.samples > 1 ? .3f : 1.f) * kShadowSoftness * static_cast<float>(setting.bodySize));
   light.set("toSun", toSun.x, toSun.y, toSun.z);
+  light.set("sunlight", setting.sunlight.x, setting.sunlight.y, setting.sunlight.z);
+  light.set("skylight", static_cast<float>(setting.skylight));
+  std::vector<float> lamps;
+  for (const Lamp& lamp : setting.lamps) {
+    const Vec3f at(lamp.position - origin);
+    lamps.insert(lamps.end(), {at.x, at.y, at.z, lamp.light.x, lamp.light.y, lamp.light.z});
+  }
+  light.set("lampCount", static_cast<int>(setting.lamps.size()));
+  if (!lamps.empty()) light.setArray("lamps", lamps.data(), static_cast<int>(lamps.size()));
   const Vec3f up(setting.up);
   light.set("up", up.x, up.y, up.z);
   light.set("fadeDistance", static_cast<float>(setting.sceneSize));

@@ -21,12 +21,21 @@ struct Surface {
   std::vector<float> heat = {};  ///< of the vertices, 0 to 1: colors in place of `color`; empty: none
 };
 
+/// A point of light (rubble/appearance.h).
+struct Lamp {
+  Vec3 position;  ///< world [m]
+  Vec3f light;    ///< at one metre, linear, over that of the sun
+};
+
 /// Light and scale of a scene; nothing here depends on the view, so it stays as the camera moves.
 struct Setting {
   Vec3 up{0, 0, 1};           ///< unit
   Vec3 toSun{-.4, -.5, .77};  ///< unit
-  double bodySize = .5;       ///< half size of a typical body: what occlusion and shadows are scaled by [m]
-  double sceneSize = 20;      ///< planes fade into the horizon from about here on [m]
+  Vec3f sunlight{1, 1, 1};    ///< factor on its light, linear
+  double skylight = 1;        ///< factor on the sky and its light
+  std::vector<Lamp> lamps = {};
+  double bodySize = .5;   ///< half size of a typical body: what occlusion and shadows are scaled by [m]
+  double sceneSize = 20;  ///< planes fade into the horizon from about here on [m]
   /// Color in place of the sky, linear.
   std::optional<Vec3f> background = {};
   /// The picture has an alpha channel, in which sky and planes are transparent. Needs several samples a

@@ -30,11 +30,22 @@ Stage::Stage(std::span<const io::PictureBody> bodies, const Vec3& gravity, const
       looks_(appearance.looks, bodies),
       renderer_(width, height) {
   setting_.up = normalize(-gravity, {0, 0, 1});
-  setting_.toSun = appearance.toSun ? *appearance.toSun : sunFor(camera, setting_.up);
+  setLight(appearance, camera);
   setting_.bodySize = palette_.bodySize();
   setting_.sceneSize = length(camera.target - camera.eye);
   renderer_.setOrigin(camera.target);
   setBodies(bodies);
+}
+
+void Stage::setLight(const Appearance& appearance, const Camera& camera) {
+  const Daylight& day = appearance.daylight;
+  setting_.toSun = day.toSun ? *day.toSun : sunFor(camera, setting_.up);
+  setting_.sunlight = linearColor(Vec3f(day.sunColor)) * static_cast<float>(day.sunStrength);
+  setting_.skylight = day.skyStrength;
+  setting_.lamps.clear();
+  for (const PointLight& light : appearance.lights)
+    setting_.lamps.push_back(
+        {light.position, linearColor(Vec3f(light.color)) * static_cast<float>(light.intensity)});
 }
 
 bool Stage::sameBodies(std::span<const io::PictureBody> bodies) const {

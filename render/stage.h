@@ -43,6 +43,7 @@ class Stage {
  private:
   bool sameBodies(std::span<const io::PictureBody> bodies) const;
   void setParts(std::span<const io::PictureBody> all, io::ColorBy colorBy, double fullValue);
+  void setLight(const Appearance& appearance, const Camera& camera);
   void setSurfaces(std::span<const io::PictureBody> bodies, io::ColorBy colorBy, double fullValue);
 
   Palette palette_;

@@ -24,22 +24,43 @@ struct RenderCommand {
   std::vector<std::string> show;
   int measure = 0;
   bool live = false, json = false;
-  std::string background, path;
+  std::string background, path, sunColor;
   std::vector<double> sun;
+  std::vector<std::string> lights;
 };
 
-/// Linear color of "RRGGBB".
-Vec3T<float> colorNamed(std::string text) {
+/// Color of "RRGGBB", 0 to 1 (sRGB).
+Vec3 colorNamed(std::string text, const std::string& option) {
   if (text.starts_with('#')) text.erase(0, 1);
   std::uint32_t rgb = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rgb, 16);
   if (text.size() != 6 || error != std::errc{} || end != text.data() + text.size())
-    throw Error("--background", "a color RRGGBB, such as ffffff", text);
-  const auto channel = [&](int shift) {
-    const float s = static_cast<float>((rgb >> shift) & 255u) / 255;
-    return s <= .04045f ? s / 12.92f : std::pow((s + .055f) / 1.055f, 2.4f);
-  };
+    throw Error(option, "a color RRGGBB, such as ffffff", text);
+  const auto channel = [&](int shift) { return ((rgb >> shift) & 255u) / 255.; };
   return {channel(16), channel(8), channel(0)};
+}
+Vec3T<float> linear(const Vec3& color) {
+  const auto channel = [](double s) {
+    return static_cast<float>(s <= .04045 ? s / 12.92 : std::pow((s + .055) / 1.055, 2.4));
+  };
+  return {channel(color.x), channel(color.y), channel(color.z)};
+}
+
+/// A light of "X,Y,Z,INTENSITY" or "X,Y,Z,INTENSITY,RRGGBB".
+PointLight lightNamed(const std::string& text) {
+  const std::vector<std::string> parts = CLI::detail::split(text, ',');
+  std::array<double, 4> numbers{};
+  bool good = parts.size() == 4 || parts.size() == 5;
+  for (std::size_t i = 0; good && i < numbers.size(); ++i) {
+    const char* const last = parts[i].data() + parts[i].size();
+    const auto [end, error] = std::from_chars(parts[i].data(), last, numbers[i]);
+    good = error == std::errc{} && end == last && std::isfinite(numbers[i]);
+  }
+  if (!good || !(numbers[3] > 0))
+    throw Error("--light", "X,Y,Z [m], an intensity above 0 [m2] and perhaps a color RRGGBB", text);
+  PointLight light{{numbers[0], numbers[1], numbers[2]}, {1, 1, 1}, numbers[3]};
+  if (parts.size() == 5) light.color = colorNamed(parts[4], "--light");
+  return light;
 }
 
 void printMeasure(const RenderMeasure& m, const RenderOptions& options) {
@@ -79,7 +100,10 @@ int renderNow(RenderCommand& command) {
   options.colorBy = look.colorBy;
   options.orbit = command.orbitDegrees * std::numbers::pi / 180;
   options.show = render::overlaysNamed(command.show);
-  if (!command.background.empty()) options.background = colorNamed(command.background);
+  if (!command.background.empty())
+    options.background = linear(colorNamed(command.background, "--background"));
+  if (!command.sunColor.empty()) options.light.sunColor = colorNamed(command.sunColor, "--sun-color");
+  for (const std::string& text : command.lights) options.light.lights.push_back(lightNamed(text));
   if (!command.path.empty()) options.path = std::make_shared<const render::CameraPath>(command.path);
   if (options.transparent &&
       (std::filesystem::path(options.out).extension() != ".png" || !options.compare.empty()))
@@ -147,6 +171,14 @@ void addRender(CLI::App& app, int& status) {
       ->expected(2)
       ->check(CLI::Range(-360.0, 360.0))
       ->type_name("ANGLE,HEIGHT");
+  sub->add_option("--sun-color", command->sunColor, "Color of sunlight")->type_name("RRGGBB");
+  sub->add_option("--sun-strength", options.light.sunStrength, "Factor on sunlight")
+      ->check(CLI::Range(0.0, 1e6));
+  sub->add_option("--sky-strength", options.light.skyStrength, "Factor on the sky and its light")
+      ->check(CLI::Range(0.0, 1e6));
+  sub->add_option("--light", command->lights,
+                  "A lamp at a point [m]: at a distance d it lights as INTENSITY / d^2 suns do; repeatable")
+      ->type_name("X,Y,Z,INTENSITY[,RRGGBB]");
   sub->add_option("--motion-blur", options.shutter, "Share of the time of a frame for which it is exposed")
       ->check(CLI::Range(0.0, 1.0));
   sub->add_option("--fps", options.fps, "Frames per second of film")

@@ -61,6 +61,7 @@ class Side {
     settings.transparent = options_.transparent;
     settings.sun = options_.sun;
     settings.appearance = source_->appearance();
+    options_.light.apply(settings.appearance);
     painter_ = device_.painter(plan_->shown(start_), source_->gravity(), cameraAt(start_, 0), settings);
   }
   std::vector<std::vector<io::PictureBody>> startAndNow() { return {start_, current().bodies}; }
@@ -210,6 +211,16 @@ int framesIn(double time, double frameTime) {
 }
 
 }  // namespace
+
+void LightOptions::apply(Appearance& to) const {
+  if (sunColor) to.daylight.sunColor = *sunColor;
+  if (sunStrength) to.daylight.sunStrength = *sunStrength;
+  if (skyStrength) to.daylight.skyStrength = *skyStrength;
+  to.lights.insert(to.lights.end(), lights.begin(), lights.end());
+  if (to.lights.size() > kMostPointLights)
+    throw Error("--light", fmt::format("at most {} lights with those of the scene", kMostPointLights),
+                std::to_string(to.lights.size()));
+}
 
 RenderResult renderFilm(const RenderOptions& options) {
   const bool single = !render::isFilm(options.out) && !render::isNumbered(options.out);

@@ -6,12 +6,24 @@
 #include <string>
 #include <vector>
 
+#include <rubble/appearance.h>
+
 #include "apps/cli/job.h"
 #include "io/picture.h"
 #include "render/camera_path.h"
 #include "render/overlay.h"
 
 namespace rubble::cli {
+
+/// Lights in place of those of the scene; `lights` are added to them.
+struct LightOptions {
+  std::optional<Vec3> sunColor = {};
+  std::optional<double> sunStrength = {}, skyStrength = {};
+  std::vector<PointLight> lights = {};
+
+  /// Throws Error if there are more lights than the renderer has room for.
+  void apply(Appearance& to) const;
+};
 
 struct RenderOptions {
   JobOptions job;
@@ -36,6 +48,7 @@ struct RenderOptions {
   std::string depthFile;    ///< view depths (layer_files.h), numbered as pictures are; "": none
   std::string normalsFile;  ///< normals, likewise
   std::optional<std::array<double, 2>> sun = {};  ///< as in PaintSettings [rad]
+  LightOptions light = {};
   double shutter = 0;  ///< share of the time of a frame for which it is exposed: motion blur [1]
   bool overlay = false;
   bool quiet = false;

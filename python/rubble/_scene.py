@@ -102,13 +102,13 @@ class Scene:
         check(lib.rb_scene_write(self._pointer, os.fsencode(file)))
 
     def set(self, **values: Any) -> None:
-        """Sets keys that are no lists: gravity, materials, shapes, camera, steps and others."""
+        """Sets keys that are no lists: gravity, materials, shapes, camera, sun, sky, steps and others."""
         for key, value in values.items():
             check(lib.rb_scene_set(self._pointer, key.encode(), encode(value)))
 
     def add(self, list: str, definition: Any) -> int:
         """Adds an element to "bodies", "joints", "deformables", "attachments", "exclusions", "events",
-        "sensors", "actuators", "looks", "cameras", "material_pairs" or "verdict". Returns its index."""
+        "sensors", "actuators", "looks", "cameras", "lights", "material_pairs" or "verdict". Returns its index."""
         out = ctypes.c_int64()
         check(lib.rb_scene_add(self._pointer, list.encode(), encode(definition), ctypes.byref(out)))
         return out.value

@@ -14,6 +14,10 @@ uniform int shadowMapCount;
 uniform int shadowTaps;
 uniform float shadowSoftness;  // radius of the filter [m]
 uniform vec3 toSun;
+uniform vec3 sunlight;         // factor on kSun
+uniform float skylight;        // factor on the light from all around
+uniform float lamps[6 * 16];   // position [m] and light at one meter of each
+uniform int lampCount;
 uniform vec3 up;
 uniform float fadeDistance;    // where planes turn into the horizon [m]
 uniform float weight;          // of this sample in the picture
@@ -22,6 +26,7 @@ uniform vec4 background;       // in place of the sky; a: 1 if there is one
 uniform bool transparent;      // sky and planes leave no light
 
 const vec3 kSun = vec3(3.00, 2.66, 2.20);
+const vec3 kLamp = vec3(2.71);  // of the brightness of kSun
 const vec3 kSky = vec3(0.62, 0.67, 0.75);
 const vec3 kBounce = vec3(0.66, 0.60, 0.53);
 const vec3 kHorizon = vec3(1.02, 1.03, 1.04);
@@ -33,13 +38,13 @@ float pattern(vec2 p) { return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 
 
 vec3 sky(vec3 direction) {
   float height = dot(direction, up);
-  return mix(mix(kHorizon, kDepth, smoothstep(0.0, -0.7, height)), kZenith, smoothstep(-0.02, 0.75, height));
+  return skylight * mix(mix(kHorizon, kDepth, smoothstep(0.0, -0.7, height)), kZenith, smoothstep(-0.02, 0.75, height));
 }
 
 // What a mirror sees: the sky above, the ground below.
 vec3 surroundings(vec3 direction) {
   float height = dot(direction, up);
-  return mix(kBounce * mix(1.6, 0.7, smoothstep(-0.1, -0.9, height)), sky(direction) * 1.3, smoothstep(-0.10, 0.06, height));
+  return mix(skylight * kBounce * mix(1.6, 0.7, smoothstep(-0.1, -0.9, height)), sky(direction) * 1.3, smoothstep(-0.10, 0.06, height));
 }
 
 float sunSeen(vec3 position, vec3 normal) {
@@ -75,6 +80,32 @@ float skySeen(float z) {
 vec3 film(vec3 x) {
   x *= kExposure;
   return clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
+}
+
+struct Matter {
+  vec3 normal, toward, albedo, fresnel;
+  float nv, roughness;
+  bool isMetal;
+};
+
+// What reaches the eye of `light` from one direction; `facing`: the cosine of its incidence, which `light` has already.
+vec3 reflected(Matter m, vec3 toLight, float facing, vec3 light) {
+  float nh = max(dot(m.normal, normalize(toLight - m.toward)), 0.0);
+  float a2 = m.roughness * m.roughness * m.roughness * m.roughness;
+  float bell = nh * nh * (a2 - 1.0) + 1.0;
+  float gloss = a2 / (12.566 * bell * bell * mix(facing * m.nv, 1.0, 0.35));
+  return light * (m.isMetal ? gloss * m.fresnel : m.albedo + 0.6 * gloss * m.fresnel);
+}
+
+vec3 lampLight(Matter m, vec3 position) {
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < 6 * lampCount; i += 6) {
+    vec3 way = vec3(lamps[i], lamps[i + 1], lamps[i + 2]) - position;
+    vec3 toLamp = normalize(way);
+    float facing = max(dot(m.normal, toLamp), 0.0);
+    if (facing > 0.0) sum += reflected(m, toLamp, facing, kLamp * vec3(lamps[i + 3], lamps[i + 4], lamps[i + 5]) * facing / dot(way, way));
+  }
+  return sum;
 }
 
 vec3 horizonOr(vec3 shown) { return background.a > 0.0 ? background.rgb : shown; }
@@ -119,20 +150,17 @@ void shade() {
 
   bool isMetal = finish == 2;
   float roughness = isMetal ? 0.42 : finish == 3 || finish == 6 ? 0.40 : 0.82;
-  vec3 halfway = normalize(toSun - toward);
-  float nh = max(dot(normal, halfway), 0.0), nv = max(dot(normal, -toward), 0.02);
-  float a2 = roughness * roughness * roughness * roughness;
-  float bell = nh * nh * (a2 - 1.0) + 1.0;
-  float gloss = a2 / (12.566 * bell * bell * mix(facing * nv, 1.0, 0.35));
+  float nv = max(dot(normal, -toward), 0.02);
   vec3 mirror = isMetal ? albedo : vec3(0.04);
   vec3 fresnel = mirror + (1.0 - mirror) * pow(1.0 - nv, 5.0) * (1.0 - roughness);
 
   // Light that is reflected within a crevice keeps the crevice's color (fit of Jimenez et al., 2016).
   vec3 glow = max(vec3(open), ((open * (2.0404 * albedo - 0.3324) + (-4.7951 * albedo + 0.6417)) * open + (2.7552 * albedo + 0.6903)) * open);
-  vec3 ambient = mix(kBounce, kSky, 0.5 + 0.5 * height) * glow;
-  vec3 diffuse = isMetal ? vec3(0.0) : albedo * (ambient + kSun * sun);
+  vec3 ambient = skylight * mix(kBounce, kSky, 0.5 + 0.5 * height) * glow;
   vec3 mirrored = surroundings(reflect(toward, normal)) * fresnel * open * (isMetal ? 1.0 : 0.55);
-  vec3 lit = diffuse + mirrored + kSun * sun * gloss * fresnel * (isMetal ? 1.0 : 0.6);
+  Matter matter = Matter(normal, toward, albedo, fresnel, nv, roughness, isMetal);
+  vec3 lit = (isMetal ? vec3(0.0) : albedo * ambient) + mirrored + reflected(matter, toSun, facing, kSun * sunlight * sun) +
+             lampLight(matter, position);
 
   // Planes end in the horizon; what stands far off is a little hazy.
   float far = length(position - eye) / fadeDistance;

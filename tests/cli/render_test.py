@@ -100,6 +100,22 @@ class Layers(Case):
         left, right = ground_beside("--sun", "180,25")
         self.assertLess(1.1 * right, left)
 
+    def test_lamps_light_the_night(self):
+        def ground(*options):
+            self.render("--sun-strength", "0", "--sky-strength", "0.02", *options)
+            row = pixels(self.path("p.png"))[2][45]
+            return [sum(row[3 * at + k] for at in range(0, 96, 8)) for k in range(3)]
+
+        night, lamp = ground(), ground("--light", "0,-2,3,30,ff0000")
+        self.assertGreater(lamp[0], 2 * night[0])
+        self.assertLess(lamp[2], 1.2 * night[2] + 12)
+        for bad, says in (("1,2,3", "an intensity above 0"), ("0,0,1,-1", "an intensity above 0"),
+                          ("0,0,1,1,red", "a color RRGGBB"), ("0,0,1e999,1", "an intensity above 0")):
+            self.refused("render", self.scene(2), "-o", self.path("p.png"), "--light", bad, says=says)
+        self.refused("render", self.scene(2), "-o", self.path("p.png"), "--sun-color", "red", says="--sun-color")
+        lamps = ["--light", "0,0,1,1"] * 17
+        self.refused("render", self.scene(2), "-o", self.path("p.png"), *lamps, says="at most 16 lights")
+
 
 @unittest.skipUnless(HAS_GL, "built without OpenGL")
 class Render(Case):

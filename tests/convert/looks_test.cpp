@@ -101,7 +101,7 @@ TEST(Looks, AllCamerasAndTheFirstDirectionalLightAreKept) {
   expectNear(normalize(cameras[0].target - cameras[0].eye), {0, 1, 0}, 1e-9);
   EXPECT_NEAR(cameras[0].fieldOfView.value(), std::acos(-1.) / 3, 1e-9);
   expectNear(cameras[1].eye, {0, 0, 5}, 1e-9);
-  expectNear(model.file.appearance.toSun.value(), {0, -.6, .8}, 1e-9);
+  expectNear(model.file.appearance.daylight.toSun.value(), {0, -.6, .8}, 1e-9);
   EXPECT_EQ(model.report.count(Effect::Lost), 0u) << convert::textOf(model.report, true);
 }
 

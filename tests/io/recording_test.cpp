@@ -216,14 +216,21 @@ TEST(Recording, AnAppearanceComesBack) {
   const TemporaryFile file;
   RecordingHeader header{"seen", 1 / 60., {0, 0, -9.81}, kResolution};
   header.appearance.looks = {{0, {{Shape::sphere(.5), {1, 2, 3}, {}, Vec3{.25, .5, 1}}}}};
-  header.appearance.toSun = Vec3{0, 0, 1};
+  header.appearance.daylight = {Vec3{0, 0, 1}, {1, 0.5, 0.25}, 0.5, 2};
+  header.appearance.lights = {{{1, 2, 3}, {0.5, 1, 0.25}, 8}};
   header.appearance.cameras = {{"front", {1, 0, 0}, {}, 0.5}};
   RecordingWriter(file.path, header).finish();
   const Appearance read = RecordingReader(file.path).header().appearance;
   ASSERT_EQ(read.looks.size(), 1u);
   EXPECT_EQ(read.looks[0].parts.at(0).color, (Vec3{.25, .5, 1}));
   EXPECT_EQ(read.looks[0].parts[0].position, (Vec3{1, 2, 3}));
-  EXPECT_EQ(read.toSun, (Vec3{0, 0, 1}));
+  EXPECT_EQ(read.daylight.toSun, (Vec3{0, 0, 1}));
+  EXPECT_EQ(read.daylight.sunColor, (Vec3{1, 0.5, 0.25}));
+  EXPECT_EQ(read.daylight.sunStrength, 0.5);
+  EXPECT_EQ(read.daylight.skyStrength, 2);
+  EXPECT_EQ(read.lights.at(0).position, (Vec3{1, 2, 3}));
+  EXPECT_EQ(read.lights[0].color, (Vec3{0.5, 1, 0.25}));
+  EXPECT_EQ(read.lights[0].intensity, 8);
   EXPECT_EQ(read.cameras.at(0).name, "front");
 }
 

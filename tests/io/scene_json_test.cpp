@@ -35,6 +35,12 @@ std::string withJoint(const std::string& keys) {
   return withTwo(R"("joints": [{"type": "ball", )" + keys + "}]");
 }
 
+std::string manyLights(int count) {
+  std::string list;
+  for (int i = 0; i < count; ++i) list += std::string(i > 0 ? ", " : "") + R"({"position": [0, 0, 1]})";
+  return list;
+}
+
 struct BadFile {
   std::string text;
   std::string path;     ///< of the first fault
@@ -138,6 +144,16 @@ const std::vector<BadFile>& badFiles() {
       {withTwo(R"("verdict": [{"metric": "x", "min": 2, "max": 1}])"), "verdict[0]", "min of at most max"},
       {withTwo(R"("camera": {"eye": [1, 1, 1], "target": [1, 1, 1]})"), "camera", "away from the target"},
       {withTwo(R"("camera": {"eye": [1, 1, 1]})"), "camera", "\"target\""},
+      {withTwo(R"("sun": [0, 0, 0])"), "sun", "a direction of some length"},
+      {withTwo(R"("sun": {"direction": [0, 0, 0]})"), "sun.direction", "a direction of some length"},
+      {withTwo(R"("sun": {"color": [1, 2, 0]})"), "sun.color[1]", "from 0 to 1, got 2"},
+      {withTwo(R"("sun": {"strength": -1})"), "sun.strength", "a number of at least 0, got -1"},
+      {withTwo(R"("sun": {"strenth": 1})"), "sun.strenth", "known here"},
+      {withTwo(R"("sky": -1)"), "sky", "a number of at least 0, got -1"},
+      {withTwo(R"("lights": [{"intensity": 1}])"), "lights[0]", "\"position\""},
+      {withTwo(R"("lights": [{"position": [0, 0, 1], "intensity": 0}])"), "lights[0].intensity",
+       "an intensity above 0 [m2], got 0"},
+      {withTwo(R"("lights": [)" + manyLights(17) + "]"), "lights[16]", "at most 16 lights"},
   };
   return files;
 }
@@ -301,6 +317,30 @@ TEST(SceneDepth, OfWhatIsWellFormedIsBoundedToo) {
                 "bodies[0].shape.parts[0].shape: expected a convex solid, got a compound"),
             std::string::npos);
   EXPECT_NE(faultsOf(nested(2000))[0].message.find("within one another"), std::string::npos);
+}
+
+TEST(SceneJson, LightsComeBack) {
+  SceneFile file;
+  file.appearance.daylight = {Vec3{0, 0.6, 0.8}, {1, 0.5, 0.25}, 0, 0.1};
+  file.appearance.lights = {{{1, 2, 3}, {0.25, 1, 0}, 20}, {{0, 0, 4}, {1, 1, 1}, 0.5}};
+  std::vector<Fault> faults;
+  const SceneFile back = parseScene(toJson(file), faults);
+  EXPECT_TRUE(faults.empty());
+  const Daylight& day = back.appearance.daylight;
+  EXPECT_EQ(day.toSun, (Vec3{0, 0.6, 0.8}));
+  EXPECT_EQ(day.sunColor, (Vec3{1, 0.5, 0.25}));
+  EXPECT_EQ(day.sunStrength, 0);
+  EXPECT_EQ(day.skyStrength, 0.1);
+  const std::vector<PointLight>& lights = back.appearance.lights;
+  ASSERT_EQ(lights.size(), 2u);
+  EXPECT_EQ(lights[0].position, (Vec3{1, 2, 3}));
+  EXPECT_EQ(lights[0].color, (Vec3{0.25, 1, 0}));
+  EXPECT_EQ(lights[0].intensity, 20);
+  EXPECT_EQ(lights[1].intensity, 0.5);
+  // a scene without lights of its own says nothing of them
+  const std::string usual = toJson(SceneFile{});
+  for (const char* key : {"\"sun\"", "\"sky\"", "\"lights\""})
+    EXPECT_EQ(usual.find(key), std::string::npos) << key;
 }
 
 }  // namespace

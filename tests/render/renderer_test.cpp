@@ -190,6 +190,54 @@ TEST_F(Rendering, ABodyThrowsItsShadowAwayFromTheSun) {
   EXPECT_GT(light, 500);
 }
 
+/// A ball in front of the camera under lights of one's own.
+io::Image litBall(const Appearance& appearance) {
+  const std::vector<io::PictureBody> ball = numbered({bodyOf(Shape::sphere(2))});
+  Stage stage(ball, {0, 0, -9.81}, frontView(), kWidth, kHeight, appearance);
+  return stage.picture(frontView(), {1, 1024, 2, 4});
+}
+
+TEST_F(Rendering, ALampLightsTheSideThatFacesItInItsColor) {
+  Appearance night;
+  night.daylight.sunStrength = 0, night.daylight.skyStrength = 0;
+  const io::Image dark = litBall(night);
+  EXPECT_LT(brightness(dark, 100, 50), 3);
+  EXPECT_LT(brightness(dark, 5, 5), 3) << "the sky";
+  night.lights = {{{8, -6, 0}, {1, 0, 0}, 40}};
+  const io::Image red = litBall(night);
+  EXPECT_GT(brightness(red, 112, 50), 4 * brightness(red, 86, 50) + 10);
+  EXPECT_GT(channel(red, 112, 50, 0), 10 * channel(red, 112, 50, 2));
+  night.lights[0].position.x = -8;
+  const io::Image left = litBall(night);
+  EXPECT_GT(brightness(left, 88, 50), 4 * brightness(left, 114, 50) + 10);
+  EXPECT_EQ(litBall(night).rgb, left.rgb);
+}
+
+TEST_F(Rendering, ALampIsAsBrightAsTheSunThatItsIntensitySays) {
+  // white, at 20 m where the sun stands; the whole ball faces it as it faces the sun
+  Appearance sunny, lamp;
+  sunny.daylight.toSun = Vec3{0, -1, 0}, sunny.daylight.skyStrength = lamp.daylight.skyStrength = 0;
+  lamp.daylight.sunStrength = 0;
+  lamp.lights = {{{0, -22, 0}, {1, 1, 1}, 400}};
+  const double bySun = brightness(litBall(sunny), 100, 50), byLamp = brightness(litBall(lamp), 100, 50);
+  EXPECT_NEAR(byLamp, bySun, 0.08 * bySun);
+  lamp.lights[0].position.y = -42;
+  EXPECT_LT(brightness(litBall(lamp), 100, 50), 0.8 * byLamp) << "a quarter of the light";
+}
+
+TEST_F(Rendering, SunAndSkyHaveTheirStrength) {
+  Appearance usual, blue, dim;
+  blue.daylight.sunColor = {0.2, 0.2, 1};
+  dim.daylight.skyStrength = 0.2;
+  const io::Image plain = litBall(usual), tinted = litBall(blue), darker = litBall(dim);
+  const auto redOverBlue = [](const io::Image& image) {
+    return channel(image, 94, 40, 0) / double(channel(image, 94, 40, 2));
+  };
+  EXPECT_LT(redOverBlue(tinted), 0.8 * redOverBlue(plain));
+  EXPECT_LT(brightness(darker, 5, 5), 0.7 * brightness(plain, 5, 5)) << "the sky";
+  EXPECT_LT(brightness(darker, 106, 62), 0.8 * brightness(plain, 106, 62)) << "the shadow side";
+}
+
 TEST_F(Rendering, CrevicesAreDarkerThanOpenGround) {
   // Two walls with a gap: its floor sees little of the sky. The sun is kept out of the comparison by looking
   // straight down.
