@@ -108,7 +108,8 @@ class Scene:
 
     def add(self, list: str, definition: Any) -> int:
         """Adds an element to "bodies", "joints", "deformables", "attachments", "exclusions", "events",
-        "sensors", "actuators", "looks", "cameras", "lights", "material_pairs" or "verdict". Returns its index."""
+        "sensors", "actuators", "looks", "cameras", "lights", "material_pairs" or "verdict". Returns its
+        index."""
         out = ctypes.c_int64()
         check(lib.rb_scene_add(self._pointer, list.encode(), encode(definition), ctypes.byref(out)))
         return out.value

@@ -166,7 +166,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::refOffset, "refOffset", "", Per::Vertex, Lifetime::Authored, 1);
   is(&SolverData::ref, "ref", "", Per::ElementRef, Lifetime::Authored);
   is(&SolverData::tetraCornerOffset, "tetraCornerOffset", "", Per::Vertex, Lifetime::Authored, 1);
-  is(&SolverData::tetraCorner, "tetraCorner", "", Per::TetraCorner, Lifetime::Authored);
+  is(&SolverData::tetraCorner, "tetraCorner", "", Per::TetraCorner, Lifetime::State);  // its shape flows
   is(&SolverData::cornerStart, "cornerStart", "", Per::TetraCorner, Lifetime::Work);
   is(&SolverData::neighborOffset, "neighborOffset", "", Per::Vertex, Lifetime::Authored, 1);
   is(&SolverData::neighbor, "neighbor", "", Per::Neighbor, Lifetime::Authored);

@@ -98,7 +98,7 @@ void readExclusions(HostTables& tables, const std::byte* from) {
 
 template <class Visit> void forEachKept(const HostTables& tables, Visit&& visit) {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (array.life != Lifetime::Authored && array.life != Lifetime::State) return;
+    if (!isKept(array.life)) return;
     const std::size_t count = liveCount(tables, array.per) + static_cast<std::size_t>(array.extra);
     visit(array, isExclusions<T> ? exclusionBytes(tables) : sizeof(T) * count);
   });

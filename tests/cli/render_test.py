@@ -112,7 +112,8 @@ class Layers(Case):
         for bad, says in (("1,2,3", "an intensity above 0"), ("0,0,1,-1", "an intensity above 0"),
                           ("0,0,1,1,red", "a color RRGGBB"), ("0,0,1e999,1", "an intensity above 0")):
             self.refused("render", self.scene(2), "-o", self.path("p.png"), "--light", bad, says=says)
-        self.refused("render", self.scene(2), "-o", self.path("p.png"), "--sun-color", "red", says="--sun-color")
+        self.refused("render", self.scene(2), "-o", self.path("p.png"), "--sun-color", "red",
+                     says="--sun-color")
         lamps = ["--light", "0,0,1,1"] * 17
         self.refused("render", self.scene(2), "-o", self.path("p.png"), *lamps, says="at most 16 lights")
 

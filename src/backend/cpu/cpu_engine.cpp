@@ -112,8 +112,7 @@ void loadState(HostTables& tables, double& previousDt, std::span<const std::byte
 std::uint64_t tableLayout() {
   std::string text;
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (array.life == Lifetime::Authored || array.life == Lifetime::State)
-      text += std::string(array.name) + " " + std::to_string(sizeof(T)) + ",";
+    if (isKept(array.life)) text += std::string(array.name) + " " + std::to_string(sizeof(T)) + ",";
   });
   return hashOf(std::as_bytes(std::span(text)));
 }
