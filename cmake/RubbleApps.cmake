@@ -74,7 +74,7 @@ if(pugixml_FOUND)
 endif()
 
 # Recordings as files of other programs.
-rubble_add_library(rubble_export convert/out)
+rubble_add_library(rubble_export convert/out UNITE)
 target_link_libraries(rubble_export PUBLIC rubble_io)
 rubble_precompile(rubble_export <nlohmann/json.hpp>)
 

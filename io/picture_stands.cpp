@@ -9,7 +9,7 @@ namespace rubble::io {
 namespace {
 
 /// Thickness of a stand over the size of what it carries [1].
-constexpr double kThickness = .12;
+constexpr double kStandThickness = .12;
 /// Room below an axle over the reach of what turns on it, where the world has no ground [1].
 constexpr double kRoom = 1.2;
 /// A body is a shaft if it is this much longer than wide [1].
@@ -119,7 +119,7 @@ class Stands {
   }
 
   double thickness(double reach, double along) const {
-    return kThickness * std::min(reach, 4 * along + .1 * reach) / 2;
+    return kStandThickness * std::min(reach, 4 * along + .1 * reach) / 2;
   }
   bool isInReach(const Vec3& anchor, double reach) const {
     return height(anchor) > ground_ && height(anchor) - ground_ < kHighest * reach;

@@ -148,7 +148,7 @@ const std::vector<BadFile>& badFiles() {
       {withTwo(R"("sun": {"direction": [0, 0, 0]})"), "sun.direction", "a direction of some length"},
       {withTwo(R"("sun": {"color": [1, 2, 0]})"), "sun.color[1]", "from 0 to 1, got 2"},
       {withTwo(R"("sun": {"strength": -1})"), "sun.strength", "a number of at least 0, got -1"},
-      {withTwo(R"("sun": {"strenth": 1})"), "sun.strenth", "known here"},
+      {withTwo(R"("sun": {"strenth": 1})"), "sun.strenth", "did you mean \"strength\"?"},
       {withTwo(R"("sky": -1)"), "sky", "a number of at least 0, got -1"},
       {withTwo(R"("lights": [{"intensity": 1}])"), "lights[0]", "\"position\""},
       {withTwo(R"("lights": [{"position": [0, 0, 1], "intensity": 0}])"), "lights[0].intensity",
