@@ -16,6 +16,19 @@ constexpr double kRoom = 1.2;
 constexpr double kShaft = 3;
 /// Half length of a rail without limits over that of what slides on it [1].
 constexpr double kRail = 2.5;
+/// Half size of the bearing of a shaft, and of its post, over the half width of the shaft [1].
+constexpr double kBearing = 1.3, kBearingPost = .6;
+/// How far a post stands from what turns, and rises above its axle, over its half width [1].
+constexpr double kPostGap = 1.6, kPostRise = 1.5;
+/// A post or rail along what it carries, over the half length of that [1].
+constexpr double kOverlength = 1.1;
+/// Of a rail over that of a post, and its most over the half width of what slides on it [1].
+constexpr double kRailThickness = 1.5, kRailWidest = .8;
+/// Radius of the wheel of a pulley over the size of the bodies of its world, and half its width over that
+/// radius or size [1].
+constexpr double kWheel = 3, kWheelWidth = .3;
+/// Cosine of the angle to the vertical below which an axis is upright [1].
+constexpr double kUpright = .9;
 /// Of the wheel of a pulley, red, green and blue (sRGB): brown.
 constexpr Vec3 kWheelColor{.55, .40, .27};
 /// A stand is at most so many times as high as what it carries is large [1].
@@ -73,7 +86,7 @@ class Stands {
       const Held held = heldBy(world, id);
       if (type == JointType::Slider)
         addRail(held);
-      else if (std::fabs(dot(held.axis, up_)) > .9)
+      else if (isUpright(held.axis))
         addPost(held);
       else
         addAxle(held);
@@ -83,6 +96,7 @@ class Stands {
 
  private:
   double height(const Vec3& point) const { return dot(point, up_); }
+  bool isUpright(const Vec3& axis) const { return std::fabs(dot(axis, up_)) > kUpright; }
   Vec3 onGround(const Vec3& point) const { return point - up_ * (height(point) - ground_); }
 
   PictureBody& add(const Shape& shape, const Vec3& position, const Quat& orientation) {
@@ -112,8 +126,7 @@ class Stands {
     for (const JointId id : joints_) {
       if (world_.definition(id).type != JointType::Hinge) continue;
       const Held held = heldBy(world_, id);
-      if (std::fabs(dot(held.axis, up_)) < .9)
-        lowest = std::min(lowest, height(held.anchor) - kRoom * held.swept());
+      if (!isUpright(held.axis)) lowest = std::min(lowest, height(held.anchor) - kRoom * held.swept());
     }
     return lowest;
   }
@@ -138,7 +151,7 @@ class Stands {
   void addPost(const Held& held) {
     const double half = thickness(held.reach(), held.along());
     if (isInReach(held.anchor, held.reach()))
-      beam(onGround(held.anchor), held.anchor + up_ * (1.1 * held.along()), half);
+      beam(onGround(held.anchor), held.anchor + up_ * (kOverlength * held.along()), half);
   }
 
   /// What turns about another axis: an axle between two posts, and a bearing if it is a shaft.
@@ -148,15 +161,15 @@ class Stands {
     const Vec3 level = acrossOf(up_, held.axis);
     const double wide = extentAlong(held.body, cross(up_, level));
     if (along > kShaft * wide) {
-      const Vec3 bearing = level * (1.3 * wide);
-      beam(held.anchor - bearing, held.anchor + bearing, 1.3 * wide);
-      beam(onGround(held.anchor), held.anchor, .6 * wide);
+      const Vec3 bearing = level * (kBearing * wide);
+      beam(held.anchor - bearing, held.anchor + bearing, kBearing * wide);
+      beam(onGround(held.anchor), held.anchor, kBearingPost * wide);
       return;
     }
     std::array<bool, 2> free{!isTaken(held, -1), !isTaken(held, 1)};
     if (!free[0] && !free[1]) free = {true, true};
-    addPosts(held.anchor + level * dot(held.body.position - held.anchor, level), level, along + 1.6 * half,
-             half, free, height(held.anchor) - ground_ > 1.05 * reach);
+    addPosts(held.anchor + level * dot(held.body.position - held.anchor, level), level,
+             along + kPostGap * half, half, free, height(held.anchor) - ground_ > 1.05 * reach);
   }
   /// An axle of half length `wide`, with posts at those of its ends that are free.
   void addPosts(const Vec3& anchor, const Vec3& axis, double wide, double half,
@@ -164,7 +177,7 @@ class Stands {
     const Vec3 ends[2] = {anchor - axis * (free[0] ? wide : wide / 2),
                           anchor + axis * (free[1] ? wide : wide / 2)};
     for (const std::size_t side : {0u, 1u})
-      if (hasRoom && free[side]) beam(onGround(ends[side]), ends[side] + up_ * (1.5 * half), half);
+      if (hasRoom && free[side]) beam(onGround(ends[side]), ends[side] + up_ * (kPostRise * half), half);
     beam(ends[0], ends[1], half);
   }
 
@@ -172,7 +185,7 @@ class Stands {
   void addRail(const Held& held) {
     const double along = held.along();
     const JointAxis& limits = world_.definition(held.joint).axes[0];
-    const bool upright = std::fabs(dot(held.axis, up_)) > .9;
+    const bool upright = isUpright(held.axis);
     Vec3 wish = -up_;
     if (upright)
       for (const JointId id : world_.jointsOf(held.id))
@@ -180,11 +193,12 @@ class Stands {
           if (other.index >= 0 && other != held.id)
             wish = held.body.position - world_.definition(other).position;
     const Vec3 side = acrossOf(held.axis, wish);
-    const double half = std::min(1.5 * thickness(held.reach(), along), .8 * extentAlong(held.body, side));
+    const double half = std::min(kRailThickness * thickness(held.reach(), along),
+                                 kRailWidest * extentAlong(held.body, side));
     const Vec3 middle = held.body.position + side * (extentAlong(held.body, side) + half);
     const auto end = [&](double limit, double direction) {
       const double way = std::isfinite(limit) ? limit + direction * along
-                                              : direction * along * (upright ? 1.1 : kRail);
+                                              : direction * along * (upright ? kOverlength : kRail);
       return middle + held.axis * way;
     };
     Vec3 low = end(limits.min, -1), high = end(limits.max, 1);
@@ -203,14 +217,14 @@ class Stands {
     const Vec3 way = joint.pulleyB - joint.pulleyA;
     const Vec3 along = acrossOf(up_, way), axis = cross(along, up_);
     const double size = typicalSize(pictureBodiesOf(world_)), apart = length(way);
-    const double radius = std::min(apart / 2, 3 * size), half = .3 * std::min(radius, size);
+    const double radius = std::min(apart / 2, kWheel * size), half = kWheelWidth * std::min(radius, size);
     if (!(radius > 0)) return;
     std::vector<Vec3> centers{joint.pulleyA + way * .5};
     if (radius < apart / 2) centers = {joint.pulleyA + along * radius, joint.pulleyB - along * radius};
     for (const Vec3& center : centers) {
       add(Shape::cylinder(radius, half), center, frameAlong(axis) * fromAxisAngle({0, 1, 0}, std::acos(0.)))
           .color = kWheelColor;
-      addPosts(center, axis, half + 1.6 * half / 2, half / 2, {true, true}, height(center) > ground_);
+      addPosts(center, axis, half + kPostGap * half / 2, half / 2, {true, true}, height(center) > ground_);
     }
   }
   static std::vector<PictureBody> pictureBodiesOf(const World& world) {

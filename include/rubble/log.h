@@ -10,8 +10,8 @@ enum class LogLevel {
   Warning,  ///< results that are worse than they should be, such as quarantined bodies
 };
 
-/// Receives a line, without a line break. World::step() calls it at its end, on the thread that called
-/// step(). What it throws leaves step() after the step was taken. It must not call the world.
+/// Receives a line, without a line break. World::step() and Worlds::step() call it at their end, on the
+/// thread that called them. What it throws leaves step() after the step was taken. It must not call a world.
 using LogSink = std::function<void(LogLevel level, std::string_view line)>;
 
 }  // namespace rubble

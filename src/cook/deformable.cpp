@@ -12,9 +12,6 @@ namespace rubble {
 
 namespace {
 
-// Collision flags of state/vertices.h.
-constexpr int kWithBodies = 1, kWithParticles = 2, kWithSurfaces = 4, kWithSelf = 8, kInside = 16;
-
 using Edge = std::pair<int, int>;
 
 const Vec3& at(const DeformableDef& d, int vertex) { return d.vertices[std::size_t(vertex)]; }
@@ -30,8 +27,8 @@ SoftModel startModel(const DeformableDef& d) {
   for (const ElementDef& e : d.elements) findElementKind(e.type)->add(m, e);
   m.material = d.material;
   m.gravityScale = d.gravityScale;
-  m.collides = (d.collide ? kWithBodies : 0) | (d.collideVertices ? kWithParticles : 0) |
-               (d.collideSurface ? kWithSurfaces : 0) | (d.collideSelf ? kWithSelf : 0);
+  m.collides = (d.collide ? kCollidesWithBodies : 0) | (d.collideVertices ? kCollidesWithParticles : 0) |
+               (d.collideSurface ? kCollidesWithSurfaces : 0) | (d.collideSelf ? kCollidesWithSelf : 0);
   return m;
 }
 
@@ -117,7 +114,7 @@ std::shared_ptr<const SoftModel> cook(const TetSolidDef& d) {
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.contactRadius;
   setLengths(m, d, edgesOf(d.tetrahedra), 1);
   m.surface = boundaryOf(d.tetrahedra);
-  m.collides |= kInside;
+  m.collides |= kHasInside;
   addSurface(m, d, m.surface, {}, false);
   return finished(std::move(m), d);
 }
@@ -200,7 +197,7 @@ std::shared_ptr<const SoftModel> cook(const ClothDef& d) {
   m.surface = d.triangles;
   if (d.pressure != 0) {
     for (const auto& t : d.triangles) m.list<PressureModel>().push_back({t, d.pressure});
-    m.collides |= kInside;
+    m.collides |= kHasInside;
   }
   addSurface(m, d, d.triangles, {}, true);
   return finished(std::move(m), d);
@@ -265,7 +262,7 @@ std::shared_ptr<const SoftModel> cook(const ParticlesDef& d) {
   SoftModel m = startModel(d);
   const double mass = d.density * 4 / 3 * std::numbers::pi * portable::pow(d.radius, 3);
   for (SoftModel::Vertex& v : m.vertices) v.mass = mass, v.radius = d.radius, v.length = 2 * d.radius;
-  m.collides |= kWithParticles;
+  m.collides |= kCollidesWithParticles;
   m.surfaceRadius = d.radius;
   return finished(std::move(m), d);
 }

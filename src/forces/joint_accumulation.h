@@ -104,6 +104,7 @@ RUBBLE_HD RUBBLE_NEAR bool turnForces(const AngularRows& rows, const Vec3& turne
     const int acts = rows.count == kWatchedRow ? kWatched : 1;
     axisForce({rows.lambda[0], rows.k, rows.lo, rows.hi, rows.compliance, rows.bound, acts, 1}, error[0],
               force[0], hessian);
+    for (int i = 1; i < AngularRows::kMost; ++i) force[i] = Real(0);
     return force[0] != Real(0) || hessian > Real(0);
   }
   // rows beyond the last one are zero; a fixed number of them stays in registers

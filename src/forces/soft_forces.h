@@ -17,6 +17,18 @@
 #include "forces/pressure.h"
 #include "forces/spring.h"
 
+namespace rubble {
+
+// Flags of the vertices of an object.
+/// Collision with bodies; as a sphere with other such vertices; with the surfaces of other such objects; with
+/// the surface of its own object.
+inline constexpr int kCollidesWithBodies = 1, kCollidesWithParticles = 2, kCollidesWithSurfaces = 4,
+                     kCollidesWithSelf = 8;
+/// The surface is closed, counter-clockwise seen from outside.
+inline constexpr int kHasInside = 16;
+
+}  // namespace rubble
+
 namespace rubble::RUBBLE_CORE {
 
 /// Does an element apply external loads? Whole objects and clusters must then sum it per vertex. All other

@@ -31,7 +31,7 @@ struct SoftModel {
   std::vector<Vertex> vertices;
   Material material;
   double gravityScale = 1;
-  int collides = 0;                                          ///< kCollides... of state/vertices.h
+  int collides = 0;                                          ///< flags kCollides...
   ElementModels<RUBBLE_CORE::ElementTypes>::Lists elements;  ///< by type
   std::vector<std::array<int, 3>> surface;  ///< triangles of the drawn surface, oriented outward
   /// Features of the collision surface against other surfaces; empty unless it collides with them.
@@ -121,6 +121,7 @@ struct EngineSoftObject {
   int surface = -1;    ///< index into the materials of SetSurfaces, -1: a material without a name
   /// Its model at the last call, if it has another one now, with as many vertices. Null: the same.
   std::shared_ptr<const SoftModel> before = nullptr;
+  bool hasPartner = true;  ///< is there another object in its world whose surface could meet its own?
 };
 
 }  // namespace rubble

@@ -23,16 +23,9 @@ struct VertexParams {
   int cluster;         ///< cluster that contains its whole object; -1: the object has no elements
   int softNode;        ///< its soft node; -1: none
   Real reach;          ///< mean L of its object [m]
-  int collides;        ///< flags kCollides... below
+  int collides;        ///< flags kCollides... of forces/soft_forces.h
   Real surfaceRadius;  ///< half the thickness of its surface against other surfaces [m]
 };
-/// Collision with bodies; as a sphere with other such vertices; with the surfaces of other such objects; with
-/// the surface of its own object.
-inline constexpr int kCollidesWithBodies = 1, kCollidesWithParticles = 2, kCollidesWithSurfaces = 4,
-                     kCollidesWithSelf = 8;
-/// The surface is closed, counter-clockwise seen from outside.
-inline constexpr int kHasInside = 16;
-
 /// A triangle or edge of the surface of an object. Features of one kind share a grid.
 enum class FeatureKind : int { Triangle, BareEdge, Edge };  // BareEdge: of no triangle
 inline constexpr int kFeatureKinds = 3;

@@ -213,6 +213,8 @@ void placeSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
   Real widest = 0;
   for (const EngineSoftObject& o : objects) {
     const SoftModel& m = *o.model;
+    const int inside = m.collides & ~(kCollidesWithSurfaces | kCollidesWithSelf),
+              onSurface = o.hasPartner ? m.collides : m.collides & ~kCollidesWithSurfaces;
     double meanLength = 0;
     for (const SoftModel::Vertex& in : m.vertices)
       meanLength += in.length / static_cast<double>(m.vertices.size());
@@ -228,8 +230,7 @@ void placeSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
       p.materialKind = o.surface < 0 ? 0 : s.surface[o.surface].kind;
       p.restitutionCombine = static_cast<int>(m.material.restitutionCombine);
       p.gravityScale = real(m.gravityScale);
-      p.first = o.at.vertex,
-      p.collides = in.onSurface ? m.collides : m.collides & ~(kCollidesWithSurfaces | kCollidesWithSelf);
+      p.first = o.at.vertex, p.collides = in.onSurface ? onSurface : inside;
       p.surfaceRadius = real(m.surfaceRadius);
       s.vertexRest[v] = Vec3(in.rest);
       p.cluster = p.softNode = -1, p.reach = real(meanLength);

@@ -118,7 +118,7 @@ void World::applyAngularImpulse(BodyId id, const Vec3& impulse) {
   checks::finite(impulse, "impulse");
   const BodyRecord& body = impl_->registry.bodies[id];
   if (body.def.motion != Motion::Dynamic) {
-    impl_->idleForce.seen = true;
+    impl_->idle.force.seen = true;
     return;
   }
   BodyState moving = state(id);

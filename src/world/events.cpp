@@ -110,7 +110,7 @@ void World::Impl::collectEvents(const StepReport& report) {
 }
 
 const Events& World::events() const {
-  impl_->idleEvents.seen |= !impl_->wantsEvents;
+  impl_->idle.events.seen |= !impl_->wantsEvents;
   return impl_->events;
 }
 

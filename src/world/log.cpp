@@ -2,11 +2,10 @@
 
 namespace rubble {
 
-void logStep(const StepReport& report, const LogSink& log) {
-  const std::string step = "step " + std::to_string(report.step) + ": ";
+void logStep(const StepReport& report, const std::string& step, const LogSink& log) {
   for (const Growth& growth : report.grown)
     log(LogLevel::Info,
-        step + "the table of " + growth.what + " grew to hold " + std::to_string(growth.needed));
+        step + ": the table of " + growth.what + " grew to hold " + std::to_string(growth.needed));
   const struct {
     LogLevel level;
     int count;
@@ -18,15 +17,17 @@ void logStep(const StepReport& report, const LogSink& log) {
       {LogLevel::Warning, report.spinLimited, "bodies were limited to 2 rad"},
       {LogLevel::Warning, report.unsettledImpacts, "impacts continue in the next step"}};
   for (const auto& [level, count, what] : counts)
-    if (count > 0) log(level, step + std::to_string(count) + " " + what);
+    if (count > 0) log(level, step + ": " + std::to_string(count) + " " + what);
   if (!report.difference.empty())
-    log(LogLevel::Warning, step + "the two backends differ: " + report.difference);
+    log(LogLevel::Warning, step + ": the two backends differ: " + report.difference);
 }
 
-void logIdle(IdleCall& call, const LogSink& log) {
-  if (!call.seen || call.told) return;
-  call.told = true;
-  log(LogLevel::Warning, call.advice);
+void IdleCalls::write(const LogSink& log) {
+  for (Kind* const kind : {&force, &events}) {
+    if (!kind->seen || kind->told) continue;
+    kind->told = true;
+    log(LogLevel::Warning, kind->advice);
+  }
 }
 
 }  // namespace rubble

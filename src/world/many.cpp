@@ -112,7 +112,7 @@ void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> force
   if (!torques.empty()) sameLength(ids.size(), torques.size(), "torques");
   for (const BodyId id : ids) {
     impl_->requireAlive(id);
-    impl_->idleForce.seen |= !impl_->isDynamic(id);
+    impl_->idle.force.seen |= !impl_->isDynamic(id);
   }
   checks::finite(forces, "forces");
   checks::finite(torques, "torques");
@@ -134,7 +134,7 @@ void World::applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> imp
       impl_->requireAlive(ids[k]);
       const BodyRecord& body = impl_->registry.bodies[ids[k]];
       if (body.def.motion != Motion::Dynamic) {
-        impl_->idleForce.seen = true;
+        impl_->idle.force.seen = true;
         continue;
       }
       edits.push_back(AddVelocity{ids[k].index, impulses[k] / body.mass.mass});

@@ -154,11 +154,15 @@ void World::Impl::flush() {
   std::vector<EngineSoftObject> objects;
   const std::vector<DeformableId> softs = inOrder(registry.softs);
   std::vector<SoftRange> ranges(static_cast<std::size_t>(registry.softs.size()));  // by slot
+  const auto meetsOthers = [&](DeformableId id) {
+    return (registry.softs[id].model->collides & kCollidesWithSurfaces) != 0;
+  };
+  const bool surfacesMeet = std::ranges::count_if(softs, meetsOthers) > 1;
   SoftRange next;
   next.vertex = 0;
   for (const DeformableId id : softs) {
     const SoftRecord& r = registry.softs[id];
-    objects.push_back({r.model, next, r.range, r.surface, r.before});
+    objects.push_back({r.model, next, r.range, r.surface, r.before, surfacesMeet});
     ranges[std::size_t(id.index)] = next;
     next.vertex += int(r.model->vertices.size());
     const auto counts = elementCounts(*r.model);

@@ -156,9 +156,8 @@ StepReport World::step() {
   impl_->pass(inputs::Step{});
   if (impl_->log)
     withMemory("log", [&] {
-      logStep(report, impl_->log);
-      logIdle(impl_->idleForce, impl_->log);
-      logIdle(impl_->idleEvents, impl_->log);
+      logStep(report, "step " + std::to_string(report.step), impl_->log);
+      impl_->idle.write(impl_->log);
     });
   return report;
 }
@@ -289,7 +288,7 @@ void World::applyTorque(BodyId id, const Vec3& torque) {
   impl_->push(id, {}, torque);
 }
 void World::Impl::push(BodyId id, const Vec3& force, const Vec3& torque) {
-  idleForce.seen |= !isDynamic(id);
+  idle.force.seen |= !isDynamic(id);
   engine->apply(AddForce{id.index, force, torque});
   pass(inputs::ApplyForces{{&id, 1}, {&force, 1}, {&torque, 1}});
 }

@@ -171,9 +171,7 @@ struct World::Impl {
   bool sortSoon = false;         ///< the next step sorts the bodies
   bool wantsEvents = false;
   LogSink log;
-  IdleCall idleForce{
-      "forces and impulses move dynamic bodies only: some were given to static or kinematic ones"};
-  IdleCall idleEvents{"World::events() is empty unless WorldOptions::events is set"};
+  IdleCalls idle;
   TaskSystem tasks;  ///< of the host
   inputs::Sink inputs;
   std::string difference;  ///< of the reports

@@ -133,6 +133,11 @@ WorldsReport Worlds::step(int steps, std::span<const char> active) try {
     left -= stride;
   } while (left > 0);
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  if (const LogSink& log = impl_->options.log) {
+    for (int w = 0; w < count(); ++w) impl_->idle.add(impl_->at(w).idle);
+    logStep(report, "a step of " + std::to_string(count()) + " worlds", log);
+    impl_->idle.write(log);
+  }
   return report;
 } catch (const std::bad_alloc&) {
   throw Error("step", "memory for the tables that it needs", "none left");

@@ -30,6 +30,7 @@ struct Worlds::Impl {
   std::deque<World> worlds;  ///< references stay valid
   std::shared_ptr<CookedShapes> cooked = std::make_shared<CookedShapes>();
   std::shared_ptr<const int> family = std::make_shared<const int>();
+  IdleCalls idle;
   // of all batches
   std::vector<std::byte> arrays[static_cast<int>(StateArray::Torque) + 1],
       axes[static_cast<int>(JointArray::AppliedForce) + 1],

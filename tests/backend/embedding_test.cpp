@@ -319,6 +319,27 @@ TEST(Log, IsCalledOnTheThreadThatCalledTheWorld) {
   for (std::thread& thread : threads) thread.join();
 }
 
+TEST(Log, OfABatchHasTheReportOfAllItsWorldsAndWarnsOnceForAll) {
+  std::vector<std::string> infos, warnings;
+  WorldOptions options = test::options(4);
+  options.log = [&](LogLevel level, std::string_view line) {
+    (level == LogLevel::Warning ? warnings : infos).emplace_back(line);
+  };
+  constexpr int kWorlds = 3;
+  Worlds worlds(options);
+  worlds.addCopies(breakingScene(), kWorlds);
+  std::size_t notable = 0;
+  for (int k = 0; k < 2 * kSteps; ++k) {
+    for (int w = 1; w < kWorlds; ++w) worlds[w].applyForce(worlds[w].bodyAt(0), {1, 0, 0});
+    const WorldsReport report = worlds.step();
+    notable += report.grown.size() + (report.brokenJoints > 0);
+  }
+  EXPECT_EQ(infos.size(), notable);
+  EXPECT_NE(std::ranges::find(infos, "a step of 3 worlds: 3 joints broke"), infos.end());
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("dynamic bodies only"), std::string::npos);
+}
+
 TEST(Log, WarnsOncePerWorldOfCallsWithoutEffect) {
   std::vector<std::string> warnings;
   WorldOptions options = test::options(4);

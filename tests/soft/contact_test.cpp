@@ -234,6 +234,28 @@ TEST(Surfaces, KeepTheirContactsWhenAnotherObjectComesAndGoes) {
   EXPECT_NEAR(lift(), before, .02 * before);
 }
 
+TEST(Surfaces, ThatWereAloneMeetThoseThatComeLater) {
+  ClothDef table = sheetAt(0, 4, .6);
+  for (int v = 0; v < static_cast<int>(table.vertices.size()); ++v) table.fixed.push_back(v);
+  Scene scene = emptyScene({0, 0, -10});
+  scene.deformables = {table};
+  World world(scene, options(10));
+  run(world, 10);
+  const DeformableId sheet = world.addDeformable(Deformable{sheetAt(3e-3)});
+  run(world, 120);
+  const auto lowest = [&] {
+    double z = 1;
+    for (const Vec3& x : world.positions(sheet)) z = std::min(z, x.z);
+    return z;
+  };
+  EXPECT_FALSE(world.vertexContacts().empty());
+  EXPECT_GT(lowest(), 0);
+  world.removeDeformable(world.deformableAt(0));
+  run(world, 30);
+  EXPECT_TRUE(world.vertexContacts().empty());
+  EXPECT_LT(lowest(), -.3);
+}
+
 TEST(Surfaces, KeepTheirLoadWhenTheirTrianglesAreListedInAnotherOrder) {
   // a sheet that rests on a fixed one: the load on the features of both, one step later
   const auto loadAfter = [](bool changes) {

@@ -8,6 +8,7 @@
 
 namespace rubble::RUBBLE_CORE::ccd {
 
+/// Stops fast bodies at the first thing that they would pass.
 template <Executor E> void stop(E& e) {
   const SolverData& s = e.view();
   e.forEach(FlagFast{}, s.bodies);

@@ -39,6 +39,7 @@ template <Executor E> void prepare(E& e) {
   e.require(Per::Bounce, &Counters::bounceRows);
 }
 
+/// Multipliers, stiffness and friction states.
 template <Executor E> void updateDuals(E& e, bool last) {
   using L = typename E::Lane;
   if (last)

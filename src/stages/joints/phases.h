@@ -5,6 +5,7 @@
 
 namespace rubble::RUBBLE_CORE::joints {
 
+/// Warm start at x^t.
 template <Executor E> void prepare(E& e) { forEachJoint<BeginJoints>(e); }
 
 /// Linearizes the angular rows at the present iterate.

@@ -18,6 +18,7 @@ template <Executor E> void clear(E& e) {
   e.clear(&SolverData::pairCount, e.view().bodies);
 }
 
+/// Finds the bodies whose boxes touch or will touch.
 template <Executor E> void find(E& e) {
   const int bodies = e.view().bodies, cells = e.view().cells;
   e.forEach(ComputeBounds{}, bodies);

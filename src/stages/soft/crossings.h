@@ -61,7 +61,7 @@ struct BeginCrossings {
 /// `lane` of `lanes`.
 template <class Found>
 RUBBLE_HD void searchNear(const SolverData& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
-  if (!ownsFeatures(s, owner)) return;
+  if (!seeksFeatures(s, owner)) return;
   int own[2];
   const int corners = ownerCorners(s, owner, own);
   const SweptBox box = sweptBox<FoundWay>(s, own, corners);

@@ -168,7 +168,7 @@ RUBBLE_HD inline int dropSides(const SolverData& s, int owner, int count, int* p
 /// `lane` of `lanes`. A feature may be found several times.
 template <class Found>
 RUBBLE_HD void searchFeatures(const SolverData& s, int owner, Found&& found, int lane, int lanes) {
-  if (!ownsFeatures(s, owner)) return;
+  if (!seeksFeatures(s, owner)) return;
   int own[2];
   const int corners = ownerCorners(s, owner, own), world = s.worldOfPoint(own[0]);
   const SweptBox box = sweptBox<ExpectedWay>(s, own, corners);

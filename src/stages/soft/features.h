@@ -8,7 +8,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline bool isOnSurface(const SolverData& s, int v) {
+/// Can features at the vertex meet others?
+RUBBLE_HD inline bool meetsFeatures(const SolverData& s, int v) {
   return (s.vertexParams[v].collides & (kCollidesWithSurfaces | kCollidesWithSelf)) != 0;
 }
 
@@ -17,6 +18,12 @@ struct ExpectedWay {
   RUBBLE_HD static Vec3 way(const SolverData& s, int v) { return s.step->dt * s.vertexVelocity[v]; }
   RUBBLE_HD static Real reach(const SolverData& s, int v) {
     return s.vertexParams[v].surfaceRadius + s.step->contactMargin * s.vertexParams[v].length;
+  }
+  /// Does another feature or a corner of a body look for the feature?
+  RUBBLE_HD static bool isSought(const SolverData& s, const SurfaceFeature& f) {
+    const bool byBodies = f.kind != FeatureKind::Edge &&
+                          (s.vertexParams[f.v[0]].collides & kCollidesWithBodies) != 0;
+    return byBodies || meetsFeatures(s, f.v[0]);
   }
 };
 
@@ -38,6 +45,9 @@ struct FoundWay {
   RUBBLE_HD static Real reach(const SolverData& s, int v) {
     // the value with which the grid was filled
     return s.vertexParams[v].surfaceRadius + s.vertexRepair[v].unit * kDetourUnits;
+  }
+  RUBBLE_HD static bool isSought(const SolverData& s, const SurfaceFeature& f) {
+    return meetsFeatures(s, f.v[0]);
   }
   /// The longest detour in units of VertexRepair. The resolution is ample, and a sum has room for a thousand
   /// detours.
@@ -74,6 +84,10 @@ RUBBLE_HD inline bool isThere(const SolverData& s, const SurfaceFeature& f) {
   return false;
 }
 
+template <class SweptMotion> RUBBLE_HD bool isInGrid(const SolverData& s, const SurfaceFeature& f) {
+  return SweptMotion::isSought(s, f) && isThere(s, f) && !isPausedPoint(s, f.v[0]);
+}
+
 template <class SweptMotion> RUBBLE_HD BoxEntry placeFeature(const SolverData& s, int i, int& bucket) {
   const SurfaceFeature& f = s.feature[i];
   return featureGrid(s).place(s.worldOfPoint(f.v[0]), static_cast<int>(f.kind),
@@ -83,7 +97,7 @@ template <class SweptMotion> RUBBLE_HD BoxEntry placeFeature(const SolverData& s
 template <class SweptMotion> struct CountFeatures {
   static constexpr const char* kStage = "surfaces";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (!isThere(s, s.feature[i]) || isPausedPoint(s, s.feature[i].v[0])) return;
+    if (!isInGrid<SweptMotion>(s, s.feature[i])) return;
     int bucket;
     noteBox(s, placeFeature<SweptMotion>(s, i, bucket));
     atomicCount(&s.featureCount[bucket], 1);
@@ -94,7 +108,7 @@ template <class SweptMotion> struct CountFeatures {
 template <class SweptMotion> struct FillFeatures {
   static constexpr const char* kStage = "surfaces";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (!isThere(s, s.feature[i]) || isPausedPoint(s, s.feature[i].v[0])) return;
+    if (!isInGrid<SweptMotion>(s, s.feature[i])) return;
     int bucket;
     const BoxEntry e = placeFeature<SweptMotion>(s, i, bucket);
     s.featureEntry[s.featureOffset[bucket] + atomicCount(&s.featureCount[bucket], -1) - 1] = e;
@@ -159,14 +173,14 @@ RUBBLE_HD inline int ownerCorners(const SolverData& s, int owner, int (&v)[2]) {
   return 2;
 }
 
-/// Has the owner a surface that collides?
-RUBBLE_HD inline bool ownsFeatures(const SolverData& s, int owner) {
+/// Can the owner, a vertex or an edge, meet features?
+RUBBLE_HD inline bool seeksFeatures(const SolverData& s, int owner) {
   if (owner >= s.vertices) {
     const SurfaceFeature& f = s.feature[owner - s.vertices];
-    return isThere(s, f) && !isPausedPoint(s, f.v[0]);
+    return meetsFeatures(s, f.v[0]) && isThere(s, f) && !isPausedPoint(s, f.v[0]);
   }
-  return !isPausedPoint(s, owner) && s.vertexParams[owner].kind != VertexKind::Removed &&
-         isOnSurface(s, owner);
+  return meetsFeatures(s, owner) && !isPausedPoint(s, owner) &&
+         s.vertexParams[owner].kind != VertexKind::Removed;
 }
 
 }  // namespace rubble::RUBBLE_CORE

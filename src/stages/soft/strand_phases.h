@@ -5,6 +5,7 @@
 
 namespace rubble::RUBBLE_CORE::strands {
 
+/// One Newton step on all vertices of each strand.
 template <Executor E> void solve(E& e) {
   const SolverData& s = e.view();
   if (!s.plan.jointTrees || s.strands == 0) return;

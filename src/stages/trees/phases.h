@@ -43,7 +43,8 @@ template <Executor E> void solveOnce(E& e, TreeSolve how, TreesOf of) {
   if (how != TreeSolve::Again) forEachJoint<TakeTreeForces>(e);
 }
 
-/// Before the sweep over bodies. In the last iteration only the trees attached to deformable objects.
+/// One solve before the sweep over bodies. In the last iteration only the trees attached to deformable
+/// objects.
 template <Executor E> void solve(E& e, bool last) {
   if (nodesOf(e.view()) == 0) return;
   if (!last)
@@ -52,7 +53,7 @@ template <Executor E> void solve(E& e, bool last) {
     solveOnce(e, TreeSolve::Own, TreesOf::Attached);
 }
 
-/// After the last sweep: all other trees.
+/// One solve of all other trees, after the last sweep.
 template <Executor E> void solveLast(E& e) {
   const int solves = nodesOf(e.view()) > 0 ? lastTreeSolves(e.view()) : 0;
   for (int k = 0; k < solves; ++k) solveOnce(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again, TreesOf::Rest);
