@@ -181,10 +181,55 @@ class Stands {
     beam(ends[0], ends[1], half);
   }
 
+  /// Bodies that connect a body to the world by other joints than its own to the world.
+  struct Linkage {
+    double sum = 0, longest = 0;  ///< of the distances between the joints of each body [m]
+    Vec3 start, end;              ///< joints of the first body, and to the world
+  };
+  Vec3 anchorOn(JointId id, BodyId body) const {
+    const JointDef& joint = world_.definition(id);
+    return world_.bodiesOf(id)[0] == body ? joint.anchorA : joint.anchorB;
+  }
+  /// Goes on from a body that was entered by a joint. Returns false if no way leads to the world.
+  bool follow(BodyId body, JointId from, std::vector<BodyId>& visited, Linkage& link) const {
+    visited.push_back(body);
+    for (const JointId id : world_.jointsOf(body)) {
+      const JointType type = world_.definition(id).type;
+      if (id == from || type == JointType::Gear || type == JointType::Rack) continue;
+      const auto [a, b] = world_.bodiesOf(id);
+      const BodyId other = a == body ? b : a;
+      if (std::ranges::find(visited, other) != visited.end()) continue;
+      Linkage more = link;
+      if (visited.size() == 1) {
+        const BodyDef& first = world_.definition(body);
+        more.start = first.position + rotate(first.orientation, anchorOn(id, body));
+      } else {
+        const double apart = length(anchorOn(id, body) - anchorOn(from, body));
+        more.sum += apart, more.longest = std::max(more.longest, apart);
+      }
+      if (other.index < 0) more.end = anchorOn(id, other);
+      if (other.index >= 0 && !follow(other, id, visited, more)) continue;
+      link = more;
+      return true;
+    }
+    return false;
+  }
+  /// How far what slides may go, as limits of its joint [m]: its own, or those of the linkage that moves it.
+  std::array<double, 2> travel(const Held& held) const {
+    const JointAxis& limits = world_.definition(held.joint).axes[0];
+    std::vector<BodyId> visited;
+    Linkage link;
+    if (std::isfinite(limits.min) || std::isfinite(limits.max) || !follow(held.id, held.joint, visited, link))
+      return {limits.min, limits.max};
+    const double at = dot(link.start - link.end, held.axis), far = link.sum - std::fabs(at),
+                 near = std::max(2 * link.longest - link.sum, 0.) - std::fabs(at);
+    return at > 0 ? std::array{near, far} : std::array{-far, -near};
+  }
+
   /// What slides: a rail on the side away from all that it is joined to, or below it.
   void addRail(const Held& held) {
     const double along = held.along();
-    const JointAxis& limits = world_.definition(held.joint).axes[0];
+    const auto [least, most] = travel(held);
     const bool upright = isUpright(held.axis);
     Vec3 wish = -up_;
     if (upright)
@@ -201,7 +246,7 @@ class Stands {
                                               : direction * along * (upright ? kOverlength : kRail);
       return middle + held.axis * way;
     };
-    Vec3 low = end(limits.min, -1), high = end(limits.max, 1);
+    Vec3 low = end(least, -1), high = end(most, 1);
     if (upright) {
       if (height(low) > height(high)) std::swap(low, high);
       if (isInReach(high, held.swept())) beam(onGround(low), high, half);

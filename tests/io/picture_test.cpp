@@ -156,6 +156,39 @@ TEST(PictureOfMachines, ADoorHasItsPostAndASliderItsRail) {
   EXPECT_EQ(standsIn(slider)[0].position, rail[0].position);
 }
 
+TEST(PictureOfMachines, TheRailOfACrankReachesAsFarAsItsPistonGoes) {
+  constexpr double kHalf = .1;
+  std::mt19937 random(3);
+  for (int i = 0; i < 20; ++i) {
+    std::uniform_real_distribution<double> angle(-3, 3), share(.2, .9);
+    const double radius = share(random), rod = radius / share(random), turned = angle(random),
+                 side = i % 2 == 0 ? 1 : -1;
+    const Vec3 pin = Vec3{side * std::cos(turned), 0, std::sin(turned)} * radius;
+    const Vec3 piston{pin.x + side * std::sqrt(rod * rod - pin.z * pin.z), 0, 0};
+    Scene scene;
+    for (const Vec3& at : {pin * .5, (pin + piston) * .5, piston}) {
+      BodyDef body;
+      body.shape = Shape::box({kHalf, kHalf, kHalf});
+      body.position = at;
+      scene.bodies.push_back(body);
+    }
+    const Quat across = frameAlong({0, 1, 0});
+    scene.joints = {jointAt(scene, JointType::Hinge, 0, kWorld, {}, across),
+                    jointAt(scene, JointType::Hinge, 0, 1, pin, across),
+                    jointAt(scene, JointType::Hinge, 1, 2, piston, across),
+                    jointAt(scene, JointType::Slider, 2, kWorld, piston, frameAlong({1, 0, 0}))};
+    // of the stands of the crank and the piston only the rail is as wide as this
+    double low = 0, high = 0;
+    for (const PictureBody& part : standsIn(World(scene))) {
+      const double reach = extentAlong(part, {1, 0, 0});
+      if (reach > high - low) low = part.position.x - reach, high = part.position.x + reach;
+    }
+    const double nearest = rod - radius - kHalf, farthest = rod + radius + kHalf;
+    EXPECT_NEAR(side > 0 ? low : -high, nearest, 1e-9) << i;
+    EXPECT_NEAR(side > 0 ? high : -low, farthest, 1e-9) << i;
+  }
+}
+
 TEST(Picture, ACylinderReachesItsRadiusAcrossItsAxisInAllDirections) {
   PictureBody disc;
   disc.shape = Shape::cylinder(.5, .1);
