@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 from typing import Any, Optional
 
 import numpy as np
@@ -40,15 +41,27 @@ def index_of(name: str, names: tuple[str, ...] = NAMES) -> int:
         raise invalid("array", "one of " + ", ".join(names), repr(name)) from None
 
 
+# PyTorch 2.11 never frees the values of an interface that torch.as_tensor has read (pytorch/pytorch#194877),
+# so those of the same array are the same objects.
+@functools.lru_cache(maxsize=1024)
+def _device_interface(data: int, shape: tuple[int, ...], strides: tuple[int, ...], typestr: bytes,
+                      stream: int) -> dict[str, Any]:
+    # memory of a device is not flagged as read-only, which PyTorch refuses
+    return {"data": (data, False), "shape": shape, "strides": strides, "typestr": typestr.decode(),
+            "version": 3, "stream": stream or None}
+
+
+def _on_device(view: _abi.Array) -> dict[str, Any]:
+    return _device_interface(view.data or 0, tuple(view.shape), tuple(view.strides), view.typestr,
+                             view.stream or 0)
+
+
 class DeviceArray:
     """An array in device memory, for CuPy, PyTorch, JAX, Warp and others (``__cuda_array_interface__``)."""
 
     def __init__(self, owner: Any, view: _abi.Array) -> None:
-        self._owner, self.shape = owner, tuple(view.shape)
-        # not flagged as read-only, which PyTorch refuses
-        self.__cuda_array_interface__ = {
-            "data": (view.data or 0, False), "shape": self.shape, "strides": tuple(view.strides),
-            "typestr": view.typestr.decode(), "version": 3, "stream": view.stream or None}
+        self._owner, self.__cuda_array_interface__ = owner, _on_device(view)
+        self.shape = self.__cuda_array_interface__["shape"]
 
     def __len__(self) -> int:
         return self.shape[0]
@@ -104,23 +117,18 @@ class Array:
         """Whether the data lie in GPU memory."""
         return bool(self._view.device)
 
-    def _interface(self) -> dict[str, Any]:
-        view = self._view
-        # memory of a device is not flagged as read-only, which PyTorch refuses
-        return {"data": (view.data or 0, not self.on_device), "shape": self.shape, "strides": self.strides,
-                "typestr": view.typestr.decode(), "version": 3}
-
     @property
     def __array_interface__(self) -> dict[str, Any]:
         if self.on_device:
             raise AttributeError("the array is in device memory: use __cuda_array_interface__ or __dlpack__")
-        return self._interface()
+        return {"data": (self._view.data or 0, True), "shape": self.shape, "strides": self.strides,
+                "typestr": self._view.typestr.decode(), "version": 3}
 
     @property
     def __cuda_array_interface__(self) -> dict[str, Any]:
         if not self.on_device:
             raise AttributeError("the array is in host memory: use numpy.asarray")
-        return {**self._interface(), "stream": self._view.stream or None}
+        return _on_device(self._view)
 
     def __dlpack_device__(self) -> tuple[int, int]:
         return (2 if self.on_device else 1, 0)

@@ -25,6 +25,16 @@ class Arrays(Case):
         self.assertFalse(positions.flags.writeable)
         self.assertFalse(positions.flags.owndata)
 
+    def test_arrays_of_one_place_on_a_device_share_their_interface(self):
+        # torch keeps what it reads of an interface, so a new one for each call would fill the memory
+        view = rubble._abi.Array(data=4096, shape=(3, 3), strides=(24, 8), typestr=b"<f8", device=1, stream=7)
+        first, second = (rubble.DeviceArray(None, view).__cuda_array_interface__ for _ in range(2))
+        self.assertIs(first, second)
+        self.assertEqual(first, {"data": (4096, False), "shape": (3, 3), "strides": (24, 8),
+                                 "typestr": "<f8", "version": 3, "stream": 7})
+        view.shape[0] = 4
+        self.assertEqual(rubble.DeviceArray(None, view).shape, (4, 3))
+
     def test_edits_are_seen_in_the_view(self):
         world = crate_world()
         crate = world.bodies["crate"]
