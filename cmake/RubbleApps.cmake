@@ -34,7 +34,9 @@ rubble_add_library(rubble_scenes scenes)
 rubble_compile_quickly(rubble_scenes)
 rubble_precompile(rubble_scenes)
 
-rubble_add_library(rubble_io io)
+rubble_add_library(rubble_io io UNITE)
+# tests/extension compiles it with other elements, and must not find it in a group
+set_source_files_properties(io/picture_soft.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 target_link_libraries(rubble_io PUBLIC nlohmann_json::nlohmann_json)
 rubble_precompile(rubble_io <nlohmann/json.hpp>)
 if(PNG_FOUND)

@@ -77,6 +77,8 @@ if(rubble_lockstep_sources)
 endif()
 if(rubble_distributed_sources)
   rubble_add_core(rubble_distributed f32 float ${rubble_distributed_sources})
+  # files are written through it without a core
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/src/backend/distributed/transport.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endif()
 if(rubble_cuda AND rubble_cuda_sources)
   rubble_add_core(rubble_core_cuda f32 float ${rubble_cuda_sources})

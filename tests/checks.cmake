@@ -80,7 +80,7 @@ if(RUBBLE_CHECKS)
     set_tests_properties(check.cross.${platform} PROPERTIES RUN_SERIAL ON TIMEOUT 14400)
   endforeach()
   cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
-  rubble_add_build(sanitize heavy ${CMAKE_CTEST_COMMAND} --test-dir build/sanitize --output-on-failure --parallel ${cores}
+  rubble_add_build(sanitize long ${CMAKE_CTEST_COMMAND} --test-dir build/sanitize --output-on-failure --parallel ${cores}
     --label-exclude "^long$")
 
   # A GPU that works: its tests run in the build that has the CUDA backend.
