@@ -44,6 +44,8 @@ rubble_precompile(rubble)
 if(RUBBLE_UNITY)
   rubble_unite(rubble)
 endif()
+# it acts on the whole process, so the C library must not find it in a group
+set_source_files_properties(${PROJECT_SOURCE_DIR}/src/platform/program.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 set_target_properties(rubble PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR} LINKER_LANGUAGE CXX)
 target_compile_features(rubble PUBLIC cxx_std_20)
 target_include_directories(rubble PUBLIC

@@ -1,5 +1,6 @@
 #pragma once
 /// Numbers to bytes and back, low byte first on every machine.
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -15,12 +16,16 @@ class ByteWriter {
   requires std::is_integral_v<T>
   void put(T value) {
     const auto bits = static_cast<std::make_unsigned_t<T>>(value);
-    for (std::size_t i = 0; i < sizeof(T); ++i) bytes_.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + sizeof(T));
+    for (std::size_t i = 0; i < sizeof(T); ++i) bytes_[at + i] = static_cast<std::uint8_t>(bits >> (8 * i));
   }
   void put(double value) { put(std::bit_cast<std::uint64_t>(value)); }
   void put(const std::string& text) {
     put(static_cast<std::uint32_t>(text.size()));
-    bytes_.insert(bytes_.end(), text.begin(), text.end());
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + text.size());
+    std::ranges::copy(text, bytes_.begin() + static_cast<std::ptrdiff_t>(at));
   }
   const std::vector<std::uint8_t>& bytes() const { return bytes_; }
 

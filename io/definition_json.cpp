@@ -126,10 +126,10 @@ std::string nested(const std::string& path, std::span<const double> values) {
       const int index = std::min(std::atoi(key.c_str()), kMostElements);
       before += "[";
       for (int k = 0; k < index; ++k) before += "{},";
-      after = "]" + after;
+      after.insert(after.begin(), ']');
     } else {
       before += "{" + nlohmann::json(key).dump() + ":";
-      after = "}" + after;
+      after.insert(after.begin(), '}');
     }
     at = end + 1;
   }

@@ -200,7 +200,7 @@ class Stands {
       const BodyId other = a == body ? b : a;
       if (std::ranges::find(visited, other) != visited.end()) continue;
       Linkage more = link;
-      if (visited.size() == 1) {
+      if (body == visited.front()) {
         const BodyDef& first = world_.definition(body);
         more.start = first.position + rotate(first.orientation, anchorOn(id, body));
       } else {
