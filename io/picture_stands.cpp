@@ -22,8 +22,10 @@ constexpr double kBearing = 1.3, kBearingPost = .6;
 constexpr double kPostGap = 1.6, kPostRise = 1.5;
 /// A post or rail along what it carries, over the half length of that [1].
 constexpr double kOverlength = 1.1;
-/// Of a rail over that of a post, and its most over the half width of what slides on it [1].
+/// Half width of a rail over that of a post, but at most this share of that of what slides on it [1].
 constexpr double kRailThickness = 1.5, kRailWidest = .8;
+/// Room under what turns, over its reach, that a post wants [1].
+constexpr double kPostRoom = 1.05;
 /// Radius of the wheel of a pulley over the size of the bodies of its world, and half its width over that
 /// radius or size [1].
 constexpr double kWheel = 3, kWheelWidth = .3;
@@ -169,7 +171,7 @@ class Stands {
     std::array<bool, 2> free{!isTaken(held, -1), !isTaken(held, 1)};
     if (!free[0] && !free[1]) free = {true, true};
     addPosts(held.anchor + level * dot(held.body.position - held.anchor, level), level,
-             along + kPostGap * half, half, free, height(held.anchor) - ground_ > 1.05 * reach);
+             along + kPostGap * half, half, free, height(held.anchor) - ground_ > kPostRoom * reach);
   }
   /// An axle of half length `wide`, with posts at those of its ends that are free.
   void addPosts(const Vec3& anchor, const Vec3& axis, double wide, double half,
@@ -190,7 +192,7 @@ class Stands {
     const JointDef& joint = world_.definition(id);
     return world_.bodiesOf(id)[0] == body ? joint.anchorA : joint.anchorB;
   }
-  /// Goes on from a body that was entered by a joint. Returns false if no way leads to the world.
+  /// Goes on from a body that was entered by a joint. Returns false if no way is found to the world.
   bool follow(BodyId body, JointId from, std::vector<BodyId>& visited, Linkage& link) const {
     visited.push_back(body);
     for (const JointId id : world_.jointsOf(body)) {

@@ -5,7 +5,7 @@
 
 namespace rubble::RUBBLE_CORE::bounces {
 
-/// Before velocities are known: finds the contacts that take part.
+/// Finds the contacts that bounce, before velocities are known.
 template <Executor E> void find(E& e) {
   if (!e.view().bounces) return;
   e.forEach(StartBounces{}, e.view().bodies);
@@ -14,7 +14,7 @@ template <Executor E> void find(E& e) {
            phase(FindReach{}, &Counters::bounceRows));
 }
 
-/// After velocities are known: applies impulses.
+/// Applies impulses of restitution, once velocities are known.
 template <Executor E> void act(E& e) {
   if (!e.view().bounces) return;
   const int bodies = e.view().bodies;

@@ -88,9 +88,8 @@ template <Executor E> void solve(E& e, int iteration) {
     solveLevel<WithAny>(e, level);
 }
 
-/// After the last sweep the momentum of aggregates with soft nodes differs from the impulse of the forces on
-/// them. They take one more step at all levels, and another one at the coarsest, because a step is
-/// under-relaxed.
+/// Gives aggregates with soft nodes the momentum of the forces on them. It differs after the last sweep, so
+/// they take one more step at all levels, and another one at the coarsest, because a step is under-relaxed.
 template <Executor E> void keepMomentum(E& e) {
   if (!e.view().plan.coarseCorrection || e.view().softNodes == 0) return;
   for (int level = kCoarseLevels - 1; level >= 0; --level) solveLevel<WithSoftNodes>(e, level);

@@ -175,10 +175,7 @@ RUBBLE_HD inline int ownerCorners(const SolverData& s, int owner, int (&v)[2]) {
 
 /// Can the owner, a vertex or an edge, meet features?
 RUBBLE_HD inline bool seeksFeatures(const SolverData& s, int owner) {
-  if (owner >= s.vertices) {
-    const SurfaceFeature& f = s.feature[owner - s.vertices];
-    return meetsFeatures(s, f.v[0]) && isThere(s, f) && !isPausedPoint(s, f.v[0]);
-  }
+  if (owner >= s.vertices) return isInGrid<FoundWay>(s, s.feature[owner - s.vertices]);
   return meetsFeatures(s, owner) && !isPausedPoint(s, owner) &&
          s.vertexParams[owner].kind != VertexKind::Removed;
 }

@@ -106,7 +106,7 @@ template <Executor E> void accelerate(E& e, int iteration) {
   e.forEach(AccelerateVertices{iteration, accelerationOf(plan.acceleration, iteration)}, e.view().vertices);
 }
 
-/// Runs beside the dual updates of contacts and joints, with which it shares no data.
+/// Multipliers. Runs beside the dual updates of contacts and joints, with which it shares no data.
 template <Executor E> void updateDuals(E& e) {
   if (e.view().vertices == 0) return;
   e.beside(UpdatePointDuals{}, &Counters::pointPairs);
