@@ -373,32 +373,44 @@ template <int N> RUBBLE_HD void restPart(GroupRows<N>& rows) {
   for (Real& lambda : rows.lambda) lambda = 0;
 }
 
-/// Warm start of all rows at x^t; joint.length and joint.memory are set. Poses are in the frame of the joint.
-/// `together`: one joint tree solves both bodies (stages/trees/trees.h).
+/// What a joint starts from at x^t. Poses are in the frame of the joint.
+template <class F> struct JointStart {
+  StepConstants constants;
+  Vec3 offset;  ///< p_A - p_B [m]
+  SidePose<F> a, b;
+  JointBody bodies[kSides<F>];
+  bool together;  ///< one joint tree solves both bodies (stages/trees/trees.h)
+};
+
+/// Activates the parts of a joint that chooses them; before beginPartOf().
 template <class F>
-RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint,
-                          const SidePose<F>& a, const SidePose<F>& b, const JointBody (&bodies)[kSides<F>],
-                          bool together = false) {
-  if constexpr (choosesParts<F>()) F::choose(spec, joint, a, b, bodies);
-  forEachPart<F>([&]<int I, class P>() {
-    if constexpr (choosesParts<F>())
-      if (!joint.memory.takesPart(I)) return restPart(partOf<I>(joint.parts));
-    const bool linear = P::kUnit == RowUnit::Linear;
-    const Real bound = linear ? spec.breakForce : spec.breakTorque;
-    beginPart<P>(c, spec, joint, partOf<I>(spec.parts), partOf<I>(joint.parts), a, b, bodies, bound,
-                 together);
-  });
+RUBBLE_HD void chooseParts(const JointStart<F>& x, const JointSpec<F>& spec, Joint<F>& joint) {
+  if constexpr (choosesParts<F>()) F::choose(spec, joint, x.a, x.b, x.bodies);
 }
-/// Stores the frame of the joint at x^t and its active rows; call after beginJoint.
+/// Warm start of the rows of part I at x^t; joint.length and joint.memory are set. Reads no other part.
+template <class F, int I, class P>
+RUBBLE_HD void beginPartOf(const JointStart<F>& x, const JointSpec<F>& spec, Joint<F>& joint) {
+  if constexpr (choosesParts<F>())
+    if (!joint.memory.takesPart(I)) return restPart(partOf<I>(joint.parts));
+  const Real bound = P::kUnit == RowUnit::Linear ? spec.breakForce : spec.breakTorque;
+  beginPart<P>(x.constants, spec, joint, partOf<I>(spec.parts), partOf<I>(joint.parts), x.a, x.b, x.bodies,
+               bound, x.together);
+}
+/// Warm start of all rows.
 template <class F>
-RUBBLE_HD void placeJoint(const JointSpec<F>& spec, Joint<F>& joint, const Vec3& offset, const SidePose<F>& a,
-                          const SidePose<F>& b) {
+RUBBLE_HD void beginJoint(const JointStart<F>& x, const JointSpec<F>& spec, Joint<F>& joint) {
+  chooseParts(x, spec, joint);
+  forEachPart<F>([&]<int I, class P>() { beginPartOf<F, I, P>(x, spec, joint); });
+}
+/// Stores the frame of the joint at x^t and its active rows; after the warm start.
+template <class F>
+RUBBLE_HD void placeJoint(const JointStart<F>& x, const JointSpec<F>& spec, Joint<F>& joint) {
   storeVectorized(frameOf(joint), [&](FrameOf<F>& frame) {
-    frame.offset = offset;
+    frame.offset = x.offset;
     frame.acting = actingRows(spec, joint);
     if constexpr (isPivot<F>())
       for (int side = 0; side < 2; ++side)
-        frame.end[side] = {leverOf(spec.data, side == 0 ? a.q : b.q, side), bodyOf(spec, side)};
+        frame.end[side] = {leverOf(spec.data, side == 0 ? x.a.q : x.b.q, side), bodyOf(spec, side)};
     return true;
   });
 }

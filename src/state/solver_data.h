@@ -313,6 +313,9 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   RUBBLE_HD int numberOfPoint(int vertex) const {
     return worlds > 1 ? vertex - firstVertex[worldOfVertex[vertex]] : vertex;
   }
+  /// The bodies of a world.
+  RUBBLE_HD int bodiesBegin(int world) const { return worlds > 1 ? firstBody[world] : 0; }
+  RUBBLE_HD int bodiesEnd(int world) const { return worlds > 1 ? firstBody[world + 1] : bodies; }
   /// The planes of a world: range in planeBody.
   RUBBLE_HD int planesBegin(int world) const { return worlds > 1 ? firstPlane[world] : 0; }
   RUBBLE_HD int planesEnd(int world) const { return worlds > 1 ? firstPlane[world + 1] : planes; }

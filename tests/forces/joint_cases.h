@@ -169,4 +169,15 @@ void accumulateAt(const JointSpec<F>& spec, const Joint<F>& joint, const SidePos
   accumulateFrom(spec, joint, JointCase<F>{spec.data, a, b, joint.memory}, a, b, side, block);
 }
 
+namespace test {
+/// Warm start of a joint between bodies at these poses.
+template <class F>
+void beginJointAt(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a,
+                  const SidePose<F>& b, const JointBody (&bodies)[kSides<F>]) {
+  JointStart<F> x{c, a.p - b.p, a, b, {}, false};
+  std::copy(std::begin(bodies), std::end(bodies), x.bodies);
+  beginJoint(x, spec, joint);
+}
+}  // namespace test
+
 }  // namespace rubble::RUBBLE_CORE

@@ -200,10 +200,35 @@ TEST(BroadPhase, FindsAllPairsOfBodiesThatReachOverMoreCellsThanThereAreBuckets)
 }
 
 TEST(BroadPhase, FindsMorePartnersThanABodyHasSlotsFor) {
-  Random random(6);
-  CoreWorld world;
-  for (int i = 0; i < 100; ++i) world.add(ball(.1, random.vector(.1)));
-  expectAllPairs(world, 4900);
+  for (const int bodies : {kScannedBodies, 2 * kScannedBodies}) {
+    Random random(6);
+    CoreWorld world;
+    for (int i = 0; i < bodies; ++i) world.add(ball(.1, random.vector(.1)));
+    expectAllPairs(world, static_cast<std::size_t>(bodies * (bodies - 3) / 2));
+  }
+}
+
+/// Up to kScannedBodies bodies are searched by a scan, more in cells.
+TEST(BroadPhase, FindsAllPairsOfSmallWorldsOfSlowAndFastBodies) {
+  Random random(12);
+  std::size_t found = 0;
+  for (int n = 0; n < 60; ++n) {
+    CoreWorld world;
+    const int bodies = n % 3 == 0 ? kScannedBodies - 1 + n % 4 : 1 + static_cast<int>(random.uniform(0, 60));
+    const double extent = .3 * std::cbrt(bodies), fastest = random.logUniform(.1, 100);
+    if (n % 2 == 0) world.add(groundPlane({0, 0, -.5 * extent}, random.rotation()));
+    for (int i = 0; i < bodies; ++i) {
+      BodyDef body = ball(random.logUniform(.01, 1), random.vector(extent));
+      if (i % 4 == 0) body.shape = Shape::box({.05, .3, .1});
+      if (i % 7 == 0) body.motion = Motion::Static;
+      if (i % 2 == 0) body.velocity = random.vector(fastest);
+      body.orientation = random.rotation();
+      world.add(body);
+    }
+    expectAllPairs(world, 0);
+    found += world.pairs().size();
+  }
+  EXPECT_GT(found, 1000u);
 }
 
 TEST(BroadPhase, SortsPairsByOwnerAndPartner) {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "backend/cuda/device_memory.h"
-#include "backend/cuda/kernels.cuh"
+#include "backend/cuda/joint_kernels.cuh"
 #include "backend/cuda/timeline.h"
 #include "backend/observable_engine.h"
 
@@ -115,7 +115,11 @@ class KernelLauncher {
   template <class Kernel> void launch(const Kernel& kernel, Count n, int most, const char* name) {
     const int blocks = blocksFor(most, widthOf<Kernel>());
     const Gate gate{control_, beside_};
-    if constexpr (Limited<Kernel>)
+    if constexpr (Staged<Kernel>)
+      launchNext(runStaged<Kernel>,
+                 {std::max(1, groupsOf(most / elementsPerJoint<Kernel>())), kStagedThreads<Kernel>}, name,
+                 view(), kernel, n, gate);
+    else if constexpr (Limited<Kernel>)
       launchNext(runLimited<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
     else
       launchNext(runKernel<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);

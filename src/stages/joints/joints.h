@@ -30,18 +30,26 @@ RUBBLE_HD inline Pose stillPose(const SolverData& s, int body, const Vec3& offse
 /// Warm start at x^t. Runs before bodies move to their initial guess.
 template <class F> struct BeginJoints {
   static constexpr const char* kStage = "joint rows";
+  using StagedJoint = F;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     Joint<F>& joint = s.jointsOf<F>()[i];
+    JointStart<F> x;
+    if (!begin(s, i, spec, joint, x)) return;
+    beginJoint(x, spec, joint);
+    placeJoint(x, spec, joint);
+  }
+  /// What parts read. Returns false if the joint is inactive.
+  RUBBLE_HD static bool begin(const SolverData& s, int i, const JointSpec<F>& spec, Joint<F>& joint,
+                              JointStart<F>& x) {
     joint.active = active<F>(s, i);
     if (!joint.active) {
       joint.acting = 0;
-      return;
+      return false;
     }
     joint.sharedLevel = spec.a == kWorldBody || spec.b == kWorldBody ? kCoarseLevels
                                                                      : finestSharedLevel(s, spec.a, spec.b);
     const Vec3d origin = jointOrigin(s, spec.b);
-    const Vec3 offset(jointOrigin(s, spec.a) - origin);
     if constexpr (hasFrameBodies<F>()) {
       const auto offsetOf = [&](int body) {
         return body == kWorldBody ? Vec3{0, 0, 0} : Vec3(s.position[body] - origin);
@@ -53,24 +61,27 @@ template <class F> struct BeginJoints {
     };
     const Real ra = radius(spec.a), rb = radius(spec.b);
     joint.length = 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
-    SidePose<F> a, b;
+    find(s, spec, joint, x);
+    joint.memory.remember(spec.data, x.a, x.b, origin);
+    return true;
+  }
+  /// What a joint starts from, after the frame bodies are placed.
+  RUBBLE_HD static void find(const SolverData& s, const JointSpec<F>& spec, const Joint<F>& joint,
+                             JointStart<F>& x) {
+    x.offset = Vec3(jointOrigin(s, spec.a) - jointOrigin(s, spec.b));
     if constexpr (hasFrameBodies<F>()) {
-      a = {stillPose(s, spec.a, offset), stillPose(s, spec.frameBodyA, joint.offsetFrameA)};
-      b = {stillPose(s, spec.b, {0, 0, 0}), stillPose(s, spec.frameBodyB, joint.offsetFrameB)};
+      x.a = {stillPose(s, spec.a, x.offset), stillPose(s, spec.frameBodyA, joint.offsetFrameA)};
+      x.b = {stillPose(s, spec.b, {0, 0, 0}), stillPose(s, spec.frameBodyB, joint.offsetFrameB)};
     } else {
-      a = stillPose(s, spec.a, offset), b = stillPose(s, spec.b, {0, 0, 0});
+      x.a = stillPose(s, spec.a, x.offset), x.b = stillPose(s, spec.b, {0, 0, 0});
     }
-    joint.memory.remember(spec.data, a, b, origin);
-    JointBody bodies[kSides<F>];
-    bool together = s.plan.jointTrees && s.treeNodes > 0;
+    x.together = s.plan.jointTrees && s.treeNodes > 0;
     for (int side = 0; side < kSides<F>; ++side) {
       const int body = bodyOf(spec, side);
-      bodies[side] = jointBody(s, body);
-      together &= !isDynamic(s, body) || s.nodeOfBody[body] >= 0;
+      x.bodies[side] = jointBody(s, body);
+      x.together &= !isDynamic(s, body) || s.nodeOfBody[body] >= 0;
     }
-    const StepConstants c = s.stepOf(spec.a, spec.b);
-    beginJoint(c, spec, joint, a, b, bodies, together);
-    placeJoint(spec, joint, offset, a, b);
+    x.constants = s.stepOf(spec.a, spec.b);
   }
 };
 
@@ -120,10 +131,14 @@ template <class F> RUBBLE_HD void updateAnchors(const SolverData& s, Joint<F>& j
 template <class F> struct UpdateJointDuals {
   static constexpr const char* kStage = "joint dual";
   static constexpr int kPerJoint = F::Parts::kCount;
+  using StagedJoint = F;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
-    const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
-    Joint<F>& joint = s.jointsOf<F>()[at.joint];
+    (*this)(s, at, s.specsOf<F>()[at.joint], s.jointsOf<F>()[at.joint]);
+  }
+  /// `joint`: on a GPU a copy.
+  RUBBLE_HD void operator()(const SolverData& s, const PartIndex& at, const JointSpec<F>& spec,
+                            Joint<F>& joint) const {
     if constexpr (isPivot<F>())
       if (at.part == 0) return updateAnchors(s, joint);
     if (!joint.active) return;

@@ -127,14 +127,19 @@ RUBBLE_HD void searchLongPaths(const SolverData& s, int i, const PathProbe& prob
 /// found(other) for all bodies whose bounds touch the box `way`, in which body i is away from its path.
 template <class Found>
 RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
-  for (int level = 0; level < kGridLevels; ++level) {
+  const int world = s.worldOf(i);
+  const auto scan = [&](int other, const Bounds& its) {
+    if (boundsTouch(its, way)) found(other);
+  };
+  const bool scanned = scanWorld(s, world, scan, lane, lanes);
+  for (int level = 0; !scanned && level < kGridLevels; ++level) {
     if (s.counters->levelCount[level] == 0) continue;
     if (isLongLevel(level))
       searchLongPaths(s, i, {way, s.params[i].radius, false}, level, Ahead::All, found, lane, lanes);
     else
       searchLevel(s, i, way, level, Ahead::All, found, lane, lanes);
   }
-  searchPlanes(s, s.worldOf(i), way, found, lane, lanes);
+  searchPlanes(s, world, way, found, lane, lanes);
 }
 
 /// found(other, otherOwns) for the partners of body i if neither has a long path: in its own level those that
@@ -144,12 +149,18 @@ RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane 
   if (!isInGrid(s, i)) return;
   const Bounds& b = s.bounds[i];
   if (isLongLevel(b.level)) return;
-  for (int level = b.level; level < kGridSizes; ++level)
+  const int world = s.worldOf(i);
+  const auto scan = [&](int other, const Bounds& its) {
+    if (isLongLevel(its.level) || its.level < b.level || (its.level == b.level && other <= i)) return;
+    if (boundsTouch(its, b)) found(other, false);
+  };
+  const bool scanned = scanWorld(s, world, scan, lane, lanes);
+  for (int level = b.level; !scanned && level < kGridSizes; ++level)
     searchLevel(
         s, i, b, level, level == b.level ? kAhead : Ahead::All,
         [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
   searchPlanes(
-      s, s.worldOf(i), b, [&](int plane) { found(plane, false); }, lane, lanes);
+      s, world, b, [&](int plane) { found(plane, false); }, lane, lanes);
 }
 /// The same if one of the two has a long path.
 template <Ahead kAhead, class Found>
@@ -158,7 +169,14 @@ RUBBLE_HD RUBBLE_OUT_OF_LINE void searchPaths(const SolverData& s, int i, Found&
   if (i >= s.bodies || !isInGrid(s, i)) return;
   const Bounds& b = s.bounds[i];
   const bool isLong = isLongLevel(b.level);
-  for (int size = sizeOf(b.level); size < kGridSizes; ++size) {
+  const int world = s.worldOf(i);
+  const auto scan = [&](int other, const Bounds& its) {
+    const int size = sizeOf(its.level), own = sizeOf(b.level);
+    if (!(isLong || isLongLevel(its.level)) || size < own || (size == own && other <= i)) return;
+    if (boundsTouch(its, b) && pathsMeet(s, i, other)) found(other, false);
+  };
+  const bool scanned = scanWorld(s, world, scan, lane, lanes);
+  for (int size = sizeOf(b.level); !scanned && size < kGridSizes; ++size) {
     const bool same = size == sizeOf(b.level);
     const auto foundPartner = [&](int other) { found(other, same && other < i); };
     const auto foundBody = [&](int other) {
@@ -175,7 +193,7 @@ RUBBLE_HD RUBBLE_OUT_OF_LINE void searchPaths(const SolverData& s, int i, Found&
   }
   if (!isLong) return;
   searchPlanes(
-      s, s.worldOf(i), b, [&](int plane) { found(plane, false); }, lane, lanes);
+      s, world, b, [&](int plane) { found(plane, false); }, lane, lanes);
 }
 /// found(other) for the partners of body i with which it may collide and owns the pair.
 template <class Found>

@@ -139,6 +139,21 @@ struct ComputeBounds {
   }
 };
 
+/// A world of up to so many bodies is scanned instead of its cells. Its bodies are neighbors in memory, and
+/// threads that search for them at the same time read the same ones.
+inline constexpr int kScannedBodies = 128;
+
+/// look(body, bounds) for the bodies of a world in the grid, if it has few; share of worker `lane` of
+/// `lanes`. Returns false if it has many.
+template <class Look>
+RUBBLE_HD bool scanWorld(const SolverData& s, int world, Look&& look, int lane = 0, int lanes = 1) {
+  const int begin = s.bodiesBegin(world), end = s.bodiesEnd(world);
+  if (end - begin > kScannedBodies) return false;
+  for (int k = begin + lane; k < end; k += lanes)
+    if (const Bounds& b = s.bounds[k]; b.level >= 0) look(k, b);
+  return true;
+}
+
 /// visit(entry) for each body of a layer whose level has few bodies; share of worker `lane` of `lanes`.
 /// Returns false if the level has many.
 template <class Visit>

@@ -118,9 +118,9 @@ class LevelWalk {
   double from_ = 0, until_ = 0, cells_ = 0;
 };
 
-/// visit(body) for every body of a world whose box may touch the moving box. Each body is visited once, slab
-/// by slab at each level, so near bodies come first. share(): all workers take over the narrowest search of
-/// one of them; then slabs beyond it are left out.
+/// visit(body) for every body of a world whose box may touch the moving box. Each body is visited once. In a
+/// world of many, slab by slab at each level, so near bodies come first. share(): all workers take over the
+/// narrowest search of one of them; then slabs beyond it are left out.
 template <class Visit, class Share, class Lanes>
 RUBBLE_HD void visitAlong(const SolverData& s, int world, const PathSearch& p, Visit&& visit, Share&& share,
                           const Lanes& lanes) {
@@ -128,8 +128,10 @@ RUBBLE_HD void visitAlong(const SolverData& s, int world, const PathSearch& p, V
   const auto look = [&](const GridEntry& e) {
     if (passes(p.x - Vec3d(e.center), inverse, p.half + Vec3d(e.half), p.limit)) visit(e.body);
   };
+  const auto scan = [&](int body, const Bounds& b) { look(GridEntry{b.center, b.half, body, 0}); };
+  const bool scanned = scanWorld(s, world, scan, lanes.lane, lanes.count);
   const int entries = s.bucketOffset[s.cells];
-  for (int level = 0; level < kGridLevels; ++level) {
+  for (int level = 0; !scanned && level < kGridLevels; ++level) {
     if (s.counters->levelCount[level] == 0) continue;
     share();
     const LevelWalk walk(s, p, inverse, world, level);

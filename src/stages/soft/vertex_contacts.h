@@ -52,7 +52,11 @@ RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Fou
   // largest number of cells of a search; beyond, scanning all bodies is cheaper
   constexpr Real kMostCells = 512;
   const int world = s.worldOfPoint(v);
-  for (int level = 0; level < kGridLevels; ++level) {
+  const auto scan = [&](int body, const Bounds& b) {
+    if (meets(box, b.center, b.half) && mayTouch(s, v, body)) found(body);
+  };
+  const bool scanned = scanWorld(s, world, scan, lane, lanes);
+  for (int level = 0; !scanned && level < kGridLevels; ++level) {
     const int layer = layerOf(world, level);
     const auto look = [&](const GridEntry& e) {
       if (e.layer == layer && meets(box, e.center, e.half) && mayTouch(s, v, e.body)) found(e.body);
