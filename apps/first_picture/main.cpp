@@ -48,8 +48,9 @@ void draw(const std::string& file) {
     world.step();
     if (step % kStepsPerMark == 0) std::putchar('.'), std::fflush(stdout);
   }
+  std::putchar('\n');
   io::writePng(painter->paint(io::pictureBodies(world), camera), file);
-  std::printf("\n%s\n", file.c_str());
+  std::printf("the first picture: %s\n", file.c_str());
 }
 
 }  // namespace
