@@ -13,9 +13,10 @@ find_path(RUBBLE_ZSTD_INCLUDE zstd.h)
 find_library(RUBBLE_ZSTD_LIBRARY zstd)
 
 # A static library from the sources of one folder. They include one another as "io/file.h". Installed, they do so in include/rubble.
-# UNITE: in groups in all builds, where headers of others take most of the time and files are short.
+# UNITE: in groups in all builds, where headers of others take most of the time and files are short. FIRST: files that the first
+# picture takes (RubbleFirst.cmake).
 function(rubble_add_library name folder)
-  cmake_parse_arguments(PARSE_ARGV 2 option "UNITE" "" "")
+  cmake_parse_arguments(PARSE_ARGV 2 option "UNITE" "" "FIRST")
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h)
   add_library(${name} STATIC ${sources} ${headers})
@@ -24,24 +25,33 @@ function(rubble_add_library name folder)
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(${name} PUBLIC rubble::rubble PRIVATE $<BUILD_INTERFACE:rubble_warnings>)
   target_compile_options(${name} PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Sanitize>>:-O0>)
+  if(option_FIRST)
+    list(TRANSFORM option_FIRST REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/${folder}/\\1.cpp")
+    rubble_compile_first(${name} ${option_FIRST})
+    rubble_unite(${name}_first)
+  endif()
   # scenes alike use the same names within their files
   if(option_UNITE OR (RUBBLE_UNITY AND NOT folder STREQUAL "scenes"))
     rubble_unite(${name})
   endif()
 endfunction()
 
-rubble_add_library(rubble_scenes scenes)
+rubble_add_library(rubble_scenes scenes FIRST arguments build piles probes probe_parts)
 rubble_compile_quickly(rubble_scenes)
+rubble_compile_quickly(rubble_scenes_first)
 rubble_precompile(rubble_scenes)
 
-rubble_add_library(rubble_io io UNITE)
+rubble_add_library(rubble_io io UNITE FIRST look_table output_file picture_machines picture_ropes picture_soft picture_stands
+  picture_values picture_world png)
 # tests/extension compiles it with other elements, and must not find it in a group
 set_source_files_properties(io/picture_soft.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 target_link_libraries(rubble_io PUBLIC nlohmann_json::nlohmann_json)
 rubble_precompile(rubble_io <nlohmann/json.hpp>)
 if(PNG_FOUND)
   target_link_libraries(rubble_io PRIVATE PNG::PNG)
+  target_link_libraries(rubble_io_first PRIVATE PNG::PNG)
   target_compile_definitions(rubble_io PUBLIC RUBBLE_HAS_PNG=1)
+  target_compile_definitions(rubble_io_first PRIVATE RUBBLE_HAS_PNG=1)
 endif()
 if(RUBBLE_ZSTD_INCLUDE AND RUBBLE_ZSTD_LIBRARY)
   target_include_directories(rubble_io SYSTEM PRIVATE ${RUBBLE_ZSTD_INCLUDE})

@@ -48,7 +48,8 @@ std::string shaderText(const std::string& file) {
 }  // namespace rubble::render
 ")
 
-add_library(rubble_render STATIC ${render_sources} ${render_headers} ${rubble_generated_dir}/shader_text.cpp)
+set(shader_text ${rubble_generated_dir}/shader_text.cpp)
+add_library(rubble_render STATIC ${render_sources} ${render_headers} ${shader_text})
 set_target_properties(rubble_render PROPERTIES EXCLUDE_FROM_ALL ON)  # built where a program or a test needs it
 target_include_directories(rubble_render PUBLIC ${PROJECT_SOURCE_DIR} PRIVATE ${PROJECT_SOURCE_DIR}/src)
 target_link_libraries(rubble_render PUBLIC rubble_io rubble_scenes PRIVATE rubble_warnings)
@@ -56,6 +57,19 @@ if(rubble_gl)
   target_link_libraries(rubble_render PUBLIC PkgConfig::EPOXY PkgConfig::EGL)
   target_compile_definitions(rubble_render PUBLIC RUBBLE_HAS_GL=1)
 endif()
+set(first painter)
+if(rubble_gl)
+  list(APPEND first bodies bodies_poses box_raster camera geometry gl headless lines palette renderer screen_pass shadow shape_meshes
+    stage surfaces)
+endif()
+list(TRANSFORM first REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/render/\\1.cpp")
+rubble_compile_first(rubble_render ${first} ${shader_text})
+target_compile_definitions(rubble_render_first PRIVATE
+  $<$<BOOL:${rubble_gl}>:RUBBLE_HAS_GL=1> $<$<BOOL:${CAIRO_FOUND}>:RUBBLE_HAS_CAIRO=1>)
+if(rubble_gl)
+  target_link_libraries(rubble_render_first PRIVATE PkgConfig::EPOXY PkgConfig::EGL)
+endif()
+rubble_add_first_picture()
 if(rubble_gl AND rubble_cuda)
   # Poses go from the CUDA device to OpenGL without a copy to the host.
   target_sources(rubble_render PRIVATE ${PROJECT_SOURCE_DIR}/render/cuda_pose_feed.cu)

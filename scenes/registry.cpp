@@ -4,32 +4,12 @@
 #include <cmath>
 
 #include "build.h"
-#include "cook/checks.h"
-#include "cook/names.h"
 #include "families.h"
+#include "near_names.h"
 #include "probes.h"
 
 namespace rubble::scenes {
 namespace {
-
-using checks::text;
-
-/// "one of a, b, c" of those names that are like `name`; if none is, of all of them or, of many, where they
-/// are listed.
-std::string nearNames(const std::string& name, const std::vector<std::string>& names, const char* list) {
-  constexpr std::size_t kMany = 12, kMostNear = 8;
-  const std::size_t tolerance = std::max<std::size_t>(2, name.size() / 3);
-  std::vector<std::string> near;
-  for (const std::string& candidate : names)
-    if (candidate.find(name) != std::string::npos || editDistance(name, candidate) <= tolerance)
-      near.push_back(candidate);
-  if (near.empty() && names.size() > kMany) return std::string("one of those that '") + list + "' lists";
-  if (near.empty()) near = names;
-  if (near.size() > kMany) near.resize(kMostNear), near.emplace_back("...");
-  std::string text;
-  for (const std::string& each : near) text += (text.empty() ? "" : ", ") + each;
-  return text.empty() ? "no name at all" : "one of " + text;
-}
 
 std::vector<Spec> makeRegistry() {
   std::vector<Spec> all;
@@ -75,28 +55,6 @@ const Spec& find(const std::string& name) {
     names.push_back(spec.name);
   }
   throw Error("scene", nearNames(name, names, "rubble info scenes"), "\"" + name + "\"");
-}
-
-Arguments resolve(const Spec& spec, const Arguments& overrides) {
-  Arguments resolved;
-  std::vector<std::string> names;
-  for (const Argument& argument : spec.arguments) {
-    resolved[argument.name] = argument.value;
-    names.push_back(argument.name);
-  }
-  for (const auto& [name, number] : overrides) {
-    const auto found = std::find_if(spec.arguments.begin(), spec.arguments.end(),
-                                    [&, key = name](const Argument& a) { return a.name == key; });
-    if (found == spec.arguments.end())
-      throw Error(spec.name + ", argument", nearNames(name, names, "rubble info scene"), "\"" + name + "\"");
-    const std::string range = "[" + text(found->min) + ", " + text(found->max) + "]";
-    if (!(number >= found->min && number <= found->max))
-      throw Error(spec.name + ", argument " + name, "a number in " + range, text(number));
-    if (found->whole && number != std::floor(number))
-      throw Error(spec.name + ", argument " + name, "a whole number in " + range, text(number));
-    resolved[name] = number;
-  }
-  return resolved;
 }
 
 Job prepare(const Spec& spec, const Arguments& arguments) {

@@ -50,6 +50,7 @@ if(RUBBLE_CHECKS)
   if(TARGET rubble_cli)
     set(program_of_pages $<TARGET_FILE:rubble_cli>)
   endif()
+  rubble_add_check(first_picture checks ${Python3_EXECUTABLE} -B tests/packaging/first_picture_test.py ${PROJECT_BINARY_DIR})
   rubble_add_check(code_of_pages checks ${Python3_EXECUTABLE} -B tests/tools/page_code.py ${CMAKE_CXX_COMPILER}
     ${program_of_pages})
   rubble_add_check(packaging heavy bash tests/packaging/run ${PROJECT_BINARY_DIR} ${CMAKE_CXX_COMPILER})

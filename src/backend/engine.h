@@ -121,12 +121,16 @@ bool cudaReady();
 /// Null unless cudaReady(). `timings`: measure stage times.
 std::unique_ptr<Engine> makeCudaEngine(bool timings);
 
+namespace f32 {
+class CpuExecutor;
+}
+
 /// Options of an engine whose steps run on a processor.
 struct CpuOptions {
   int threads = 0;      ///< 0: one per core
   bool timings = true;  ///< measure stage times
-  /// Steps with the instructions of AVX2, which the build and the processor have.
-  bool avx2 = false;
+  /// The step of the core in float, compiled for instructions that the processor has; null: as the core is.
+  void (*variant)(f32::CpuExecutor&) = nullptr;
   TaskSystem tasks = {};     ///< run all loops, if given
   MemorySystem memory = {};  ///< of the tables
   /// Each loop takes its elements one by one, the last one first: results must not depend on their order.

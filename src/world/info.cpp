@@ -110,12 +110,4 @@ BuildInfo buildInfo() {
   return info;
 }
 
-std::vector<std::string> instructionSets() {
-  std::vector<std::string> names = {"baseline"};
-#if defined(RUBBLE_HAS_AVX2) && defined(__GNUC__)
-  if (__builtin_cpu_supports("avx2")) names.emplace_back("avx2");
-#endif
-  return names;
-}
-
 }  // namespace rubble

@@ -3,85 +3,12 @@
 #include <algorithm>
 #include <chrono>
 
-#include <rubble/info.h>
-
 #include "cook/checks.h"
 #include "math/portable.h"
 #include "world/body_additions.h"
 #include "world/world_impl.h"
 
 namespace rubble {
-
-namespace {
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-}  // namespace
-
-std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
-  const std::string best = instructionSets().back(), given = options.instructionSet;
-  const CpuOptions cpu{options.threads, options.timings, (given.empty() ? best : given) == "avx2",
-                       options.tasks,   options.memory,  options.backend == "backward"};
-  if (options.backend == "cpu" || cpu.backward) return f32::makeCpuEngine(cpu);
-#if defined(RUBBLE_HAS_REFERENCE)
-  if (options.backend == "reference") return f64::makeCpuEngine(cpu);
-#endif
-  if (options.backend == "distributed") return f32::makeDistributedEngine(options.ranks, cpu);
-  if (options.backend == "lockstep")
-    // two instruction sets where there are two
-    return f32::makeLockstepEngine(
-        f32::makeCpuEngine({.threads = 1, .timings = options.timings, .avx2 = given == "avx2"}),
-        f32::makeCpuEngine({.threads = options.threads, .timings = false, .avx2 = cpu.avx2}));
-  if (options.backend == "cuda" || options.backend == "lockstep-cuda") {
-    if (!cudaReady()) throw Error("backend", "a machine and a build with CUDA", cudaStatus());
-    if (options.backend == "cuda") return makeCudaEngine(options.timings);
-    return f32::makeLockstepEngine(f32::makeCpuEngine(cpu), makeCudaEngine(false));
-  }
-  throw Error("backend", "one of " + joined(backends()), "\"" + options.backend + "\"");
-}
-
-void validate(const WorldOptions& options) {
-  validate(options.params);
-  if (options.threads < 0 || options.threads > kMostThreads)
-    throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
-                std::to_string(options.threads));
-  const bool isHost = options.backend == "cpu" || options.backend == "reference";
-  if (options.memory.allocate && !isHost)
-    throw Error("memory", "none with the backend \"" + options.backend + "\"", "an allocator");
-  if (bool(options.memory.allocate) != bool(options.memory.release))
-    throw Error("memory", "both functions or none", "one of them");
-  if (options.tasks.run) {
-    if (!isHost) throw Error("tasks", "none with the backend \"" + options.backend + "\"", "a task system");
-    if (options.tasks.parts < 1 || options.tasks.parts > kMostThreads)
-      throw Error("tasks.parts", "a number from 1 to " + std::to_string(kMostThreads),
-                  std::to_string(options.tasks.parts));
-  }
-  if (const std::vector<std::string> sets = instructionSets();
-      !options.instructionSet.empty() && std::ranges::find(sets, options.instructionSet) == sets.end())
-    throw Error("instructionSet", "one of " + joined(sets), "\"" + options.instructionSet + "\"");
-  const RankOptions& ranks = options.ranks;
-  if (ranks.count < 0 || ranks.count > kMostThreads)
-    throw Error("ranks.count", "a number from 0 to " + std::to_string(kMostThreads),
-                std::to_string(ranks.count));
-  if (ranks.cutInterval < 0) throw Error("ranks.cutInterval", "0 or more", std::to_string(ranks.cutInterval));
-  if (!(ranks.maxImbalance >= 0))
-    throw Error("ranks.maxImbalance", "0 or more", std::to_string(ranks.maxImbalance));
-  if (!(ranks.timeout > 0)) throw Error("ranks.timeout", "more than 0", std::to_string(ranks.timeout));
-}
-
-std::vector<std::string> backends() {
-#if defined(RUBBLE_HAS_REFERENCE)
-  std::vector<std::string> names = {"cpu", "reference", "distributed", "backward", "lockstep"};
-#else
-  std::vector<std::string> names = {"cpu", "distributed", "backward", "lockstep"};
-#endif
-  if (cudaReady()) names.insert(names.end(), {"cuda", "lockstep-cuda"});
-  return names;
-}
 
 double StepReport::stageMs(const std::string& name) const {
   for (const StageTime& stage : stages)

@@ -20,11 +20,7 @@ namespace rubble {
 // this program has the core in double only
 namespace f32 {
 std::unique_ptr<Engine> makeCpuEngine(const CpuOptions&) { return nullptr; }
-std::unique_ptr<Engine> makeLockstepEngine(std::unique_ptr<Engine>, std::unique_ptr<Engine>) {
-  return nullptr;
-}
 std::uint64_t tableLayout() { return 0; }
-std::unique_ptr<Engine> makeDistributedEngine(const RankOptions&, const CpuOptions&) { return nullptr; }
 }  // namespace f32
 
 namespace {

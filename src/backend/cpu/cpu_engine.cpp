@@ -62,18 +62,20 @@ void CpuEngine::beginStep() {
     setConstants(s, settings_, static_cast<int>(w), worlds_[w]);
 }
 
+/// Steps by a variant of the core in float, where one is given (CpuOptions).
+template <class Executor> static void stepBy(void (*variant)(f32::CpuExecutor&), Executor& executor) {
+  if constexpr (std::is_same_v<Executor, f32::CpuExecutor>)
+    if (variant) return variant(executor);
+  rubble::RUBBLE_CORE::step(executor);
+}
+
 void CpuEngine::takeStep(StepReport& report) {
   SolverData& s = executor_.view();
   planTrees(tables());
   executor_.run([&] {
     for (int k = 0; k < settings_.params.substeps; ++k) {
       beginStep();
-#if defined(RUBBLE_HAS_AVX2)
-      if (avx2_)
-        stepAvx2(executor_);
-      else
-#endif
-        rubble::RUBBLE_CORE::step(executor_);
+      stepBy(variant_, executor_);
       s.rolledBefore = s.rolls;
       previousDt_ = settings_.params.dt / settings_.params.substeps;
       for (std::size_t w = 0; w < worlds_.size(); ++w)

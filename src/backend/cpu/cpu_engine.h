@@ -16,9 +16,6 @@ namespace rubble::RUBBLE_CORE {
 /// Instantiated in cpu_step.cpp only: the step dominates the compile time of the library.
 extern template void step(CpuExecutor&);
 
-/// The same, compiled for AVX2 (cmake/RubbleVariant.cmake); of the core in float alone.
-void stepAvx2(CpuExecutor& executor);
-
 /// Plans the joint trees of edited bodies and joints.
 void planTrees(HostTables& tables);
 
@@ -38,7 +35,8 @@ void loadState(HostTables& tables, double& previousDt, std::span<const std::byte
 class CpuEngine final : public ObservableEngine, public BatchEngine {
  public:
   explicit CpuEngine(const CpuOptions& options)
-      : executor_(options.threads, options.timings, options.tasks, options.memory), avx2_(options.avx2) {
+      : executor_(options.threads, options.timings, options.tasks, options.memory),
+        variant_(options.variant) {
     if (options.backward) executor_.takeBackward();
   }
 
@@ -128,7 +126,7 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   void beginStep();
 
   CpuExecutor executor_;
-  [[maybe_unused]] const bool avx2_;
+  void (*const variant_)(f32::CpuExecutor&);
   HostReader reader_{executor_.tables()};
   HostArrays arrays_{executor_.tables()};
   HostJointRows jointRows_;

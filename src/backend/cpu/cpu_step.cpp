@@ -5,7 +5,7 @@
 namespace rubble::RUBBLE_CORE {
 
 #if defined(RUBBLE_AVX2)
-void stepAvx2(CpuExecutor& executor);
+void stepAvx2(CpuExecutor& executor);  // src/world/backends.cpp
 void stepAvx2(CpuExecutor& executor) { step(executor); }
 #else
 template void step(CpuExecutor&);

@@ -74,7 +74,7 @@ RankTeam::RankTeam(const RankOptions& options, const CpuOptions& cpu)
         return makeCpuRank(transport, options,
                            {.threads = threadsOfRank(cpu.threads, options.count),
                             .timings = cpu.timings && transport.rank() == 0,
-                            .avx2 = cpu.avx2});
+                            .variant = cpu.variant});
       }) {}
 
 void RankTeam::requireWhole() const {
