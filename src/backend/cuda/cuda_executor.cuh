@@ -201,14 +201,7 @@ class CudaExecutor : private ScanLauncher {
     if constexpr (kStrict) return run<SolveTree>(kernel, n);
     if (!begins() || n <= 0) return;
     enterStage(SolveTree::kStage);
-    // room that most trees do not use would be missing in the cache
-    const auto launchTrees = [&](auto kernel) {
-      launchNext(kernel, {n, kTreeThreads}, SolveTree::kStage, view(), Gate{control_});
-    };
-    if (view().treeNodes <= kSharedNodes * n)
-      launchTrees(solveTrees<kSharedNodes>);
-    else
-      launchTrees(solveTrees<0>);
+    launchNext(solveTrees, {n, kTreeThreads}, SolveTree::kStage, view(), Gate{control_});
   }
 
   /// One block per column assembles and solves it.

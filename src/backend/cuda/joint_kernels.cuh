@@ -16,8 +16,10 @@ template <class F> class JointGroup {
 
  public:
   static constexpr int kBytes = kGroupJoints * (kStride<JointSpec<F>> + kStride<Joint<F>>);
-  /// What a kernel may declare statically.
-  static constexpr int kMostBytes = 48 << 10;
+  /// Copies of joints of few parts, which are small, cost more than they save (7 % of joint-grid). Larger
+  /// joints than a kernel may declare room for are read where they are.
+  static constexpr int kLeastParts = 3, kMostBytes = 48 << 10;
+  static constexpr bool kPays = (F::Parts::kCount >= kLeastParts) && (kBytes <= kMostBytes);
 
   __device__ explicit JointGroup(char* memory)
       : specs_(memory), joints_(memory + kGroupJoints * kStride<JointSpec<F>>) {}
@@ -31,9 +33,9 @@ template <class F> class JointGroup {
   /// The first `count` joints are those that indexOf() names. All threads of a block call these.
   template <class IndexOf> __device__ void load(const SolverData& s, int count, IndexOf&& indexOf) const {
     copy(s.specsOf<F>(), count, indexOf,
-         [&](const int k, int at) { return specs_ + k * kStride<JointSpec<F>> + at; });
+         [&](int k, int at) { return specs_ + k * kStride<JointSpec<F>> + at; });
     copy(s.jointsOf<F>(), count, indexOf,
-         [&](const int k, int at) { return joints_ + k * kStride<Joint<F>> + at; });
+         [&](int k, int at) { return joints_ + k * kStride<Joint<F>> + at; });
     __pipeline_commit();
     __pipeline_wait_prior(0);
     __syncthreads();
@@ -65,12 +67,12 @@ template <class F> class JointGroup {
 };
 
 /// Kernels that take a joint itself, which may be a copy: operator()(s, PartIndex, spec, joint), or for
-/// BeginJoints its phases. Larger joints are read where they are.
+/// BeginJoints its phases.
 template <class Kernel>
 concept Staged = requires {
   typename Kernel::StagedJoint;
-}
-&&JointGroup<typename Kernel::StagedJoint>::kBytes <= JointGroup<typename Kernel::StagedJoint>::kMostBytes;
+  requires JointGroup<typename Kernel::StagedJoint>::kPays;
+};
 constexpr int groupsOf(int joints) { return (joints + kGroupJoints - 1) / kGroupJoints; }
 template <Staged Kernel> constexpr int elementsPerJoint() {
   if constexpr (requires { Kernel::kPerJoint; })

@@ -99,13 +99,10 @@ struct AssembleTreeJointsByTile {
   static constexpr int kWidth = TreeLane::kWidth, kBlocks = 5;
 
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
-    (*this)(s, n, tile, &s.treeWork[0]);
-  }
-  __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile, TreeWork* work) const {
     const TreeNode node = s.treeNode[n];
-    TreeBlock& w = work[n];
+    TreeBlock& w = s.treeWork[n];
     TreeLane::Columns sums{};
-    TreeLane::load(s.treeWork[n], tile.lane, sums.own);
+    TreeLane::load(w, tile.lane, sums.own);
     const bool locked = tile.lane < 3 && isLocked(s, tile.lane == 0   ? node.parent[0]
                                                      : tile.lane == 1 ? node.parent[1]
                                                                       : n);
@@ -253,12 +250,9 @@ struct EliminateNodeByTile {
   static constexpr const char* kStage = EliminateNode::kStage;
   static constexpr int kWidth = TreeLane::kWidth, kBlocks = 5;
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
-    (*this)(s, n, tile, &s.treeWork[0]);
-  }
-  __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile, TreeWork* work) const {
     const int lane = tile.lane, column = min(lane, 5);
     const TreeNode node = s.treeNode[n];
-    TreeWork& w = work[n];
+    TreeWork& w = s.treeWork[n];
     const bool isForce = lane == TreeLane::kForce, isColumn = TreeLane::isColumn(lane);
     TreeLane::Columns c{};
     TreeLane::load(w, lane, c.own);
@@ -269,7 +263,7 @@ struct EliminateNodeByTile {
         for (int i = 0; i < 6; ++i) c.coupling[t][i] = w.e[t].m[i][column];
     for (int child = node.childBegin; child < node.childEnd; ++child) {
       const int code = s.treeChild[child], from = code >> 1, side = code & 1;
-      const TreeWork& o = work[from];
+      const TreeWork& o = s.treeWork[from];
       const int far = s.treeNode[from].parent[1 - side];
       const auto subtract = [&](double(&to)[6], const auto& factor) {
 #pragma unroll
@@ -323,19 +317,16 @@ struct SubstituteNodeByTile {
   static constexpr const char* kStage = SubstituteNode::kStage;
   static constexpr int kWidth = 8;
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
-    (*this)(s, n, tile, &s.treeWork[0]);
-  }
-  __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile, TreeWork* work) const {
     const int i = tile.lane;
     const TreeNode node = s.treeNode[n];
-    TreeWork& w = work[n];
+    TreeWork& w = s.treeWork[n];
     double x = i < 6 ? w.x.v[i] : 0;
     for (int t = 0; t < 2; ++t) {
       if (node.parent[t] < 0 || i >= 6) continue;
-      const Long6& y = work[node.parent[t]].x;
+      const Long6& y = s.treeWork[node.parent[t]].x;
       for (int j = 0; j < 6; ++j) x -= w.w[t].m[i][j] * y.v[j];
     }
-    if (i < 6) w.x.v[i] = s.treeWork[n].x.v[i] = x;
+    if (i < 6) w.x.v[i] = x;
     Long6 all;
     for (int j = 0; j < 6; ++j) all.v[j] = __shfl_sync(tile.mask, x, j, kWidth);
     if (i == 0) SubstituteNode::noteRotation(s, node.tree, all);
@@ -384,23 +375,18 @@ __device__ void forEachLevelBack(const SolverData& s, const SmallTree& tree, Lev
   }
 }
 
-/// SolveTree by a block, with up to 128 registers per thread. `kShared`: nodes whose blocks have room in
-/// shared memory, where chains of reads take a tenth of the time; larger trees are solved where they are.
-inline constexpr int kTreeThreads = 2 * kWarp, kTreeBlocks = 8, kSharedNodes = 18;
-template <int kShared>
-__global__ void __launch_bounds__(kTreeThreads, kTreeBlocks)
+/// SolveTree by a block, with up to 128 registers per thread.
+inline constexpr int kTreeThreads = 2 * kWarp, kTreeBlocks = 8;
+static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks)
     solveTrees(const __grid_constant__ SolverData s, Gate gate) {
-  __shared__ __align__(16) char memory[std::max<int>(kShared * sizeof(TreeWork), 16)];
   gate.enter([&] {
     const int index = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
     const SmallTree tree = s.smallTree[index];
     if (tree.begin == tree.end || s.treeConverged[tree.begin]) return;
-    const bool fits = tree.end - tree.begin <= kShared;
-    TreeWork* const work = fits ? reinterpret_cast<TreeWork*>(memory) - tree.begin : &s.treeWork[0];
     const auto solve = [&]<class Kernel>(const Kernel& kernel, int first, int last) {
       constexpr int kWidth = Kernel::kWidth;
       const Tile<kWidth> tile = Tile<kWidth>::ofThread();
-      for (int k = first + thread / kWidth; k < last; k += kTreeThreads / kWidth) kernel(s, k, tile, work);
+      for (int k = first + thread / kWidth; k < last; k += kTreeThreads / kWidth) kernel(s, k, tile);
       __syncthreads();
     };
     solve(AssembleTreeJointsByTile{}, tree.begin, tree.end);

@@ -55,7 +55,7 @@ RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Fou
   const auto scan = [&](int body, const Bounds& b) {
     if (meets(box, b.center, b.half) && mayTouch(s, v, body)) found(body);
   };
-  const bool scanned = scanWorld(s, world, scan, lane, lanes);
+  const bool scanned = scanWorld(s, world, scan, lane, lanes, kScannedByVertices);
   for (int level = 0; !scanned && level < kGridLevels; ++level) {
     const int layer = layerOf(world, level);
     const auto look = [&](const GridEntry& e) {
