@@ -169,7 +169,6 @@ void accumulateAt(const JointSpec<F>& spec, const Joint<F>& joint, const SidePos
   accumulateFrom(spec, joint, JointCase<F>{spec.data, a, b, joint.memory}, a, b, side, block);
 }
 
-namespace test {
 /// Warm start of a joint between bodies at these poses.
 template <class F>
 void beginJointAt(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a,
@@ -178,6 +177,5 @@ void beginJointAt(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& jo
   std::copy(std::begin(bodies), std::end(bodies), x.bodies);
   beginJoint(x, spec, joint);
 }
-}  // namespace test
 
 }  // namespace rubble::RUBBLE_CORE

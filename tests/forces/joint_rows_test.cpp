@@ -14,7 +14,7 @@ void begin(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, co
            const JointBody& a = kLight, const JointBody& b = kHeavy) {
   joint.length = .5;
   const JointBody bodies[2] = {a, b};
-  test::beginJointAt(c, spec, joint, x.a, x.b, bodies);
+  beginJointAt(c, spec, joint, x.a, x.b, bodies);
 }
 template <class F> Joint<F> begun(const JointCase<F>& x, const StepConstants& c, const JointSpec<F>& spec) {
   Joint<F> joint{};

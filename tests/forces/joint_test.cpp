@@ -181,7 +181,7 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
     JointBody bodies[kSides<F>];
     for (int side = 0; side < kSides<F>; ++side)
       bodies[side] = side == 0 ? JointBody{2, {.1, .2, .3}, {}, {}} : JointBody{20, {1, 2, 3}, {}, {}};
-    test::beginJointAt(c, spec, joint, x.a, x.b, bodies);
+    beginJointAt(c, spec, joint, x.a, x.b, bodies);
     // after a dual update the multipliers are the forces; with k = 0 the blocks hold them alone
     updateJointDuals(c, spec, joint, x.a, x.b);
     for (int side = 0; side < kSides<F>; ++side) {
@@ -219,7 +219,7 @@ TYPED_TEST(JointTest, PushesAnAggregateAsItPushesTheBodiesInside) {
     joint.memory = x.memory, joint.length = 1;
     JointBody bodies[kSides<F>];
     for (JointBody& body : bodies) body = {2, {.1, .2, .3}, {}, {}};
-    test::beginJointAt(c, spec, joint, x.a, x.b, bodies);
+    beginJointAt(c, spec, joint, x.a, x.b, bodies);
     Vec3 shift[kSides<F>];
     for (Vec3& s : shift) s = random.vector();
     for (unsigned inside = 1; inside < 1u << kSides<F>; ++inside) {
@@ -247,7 +247,7 @@ template <class F> struct LoadedJoint {
     StepConstants c = testConstants();
     joint.length = 1, joint.memory = x.memory;
     const JointBody bodies[kSides<F>] = {{1, {.1, .1, .1}, {}, {}}, {1, {.1, .1, .1}, {}, {}}};
-    test::beginJointAt(c, spec, joint, x.a, x.b, bodies);
+    beginJointAt(c, spec, joint, x.a, x.b, bodies);
     forEachPart<F>([&]<int I, class P>() {
       auto& rows = partOf<I>(joint.parts);
       if constexpr (P::kAxis) {
