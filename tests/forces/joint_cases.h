@@ -1,5 +1,8 @@
 #pragma once
 /// Random joints of any type, for the tests that hold for all of them.
+#include <algorithm>
+#include <iterator>
+
 #include <forces/forces.h>
 #include <forces/joint_accumulation.h>
 

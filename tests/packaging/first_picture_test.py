@@ -1,4 +1,5 @@
-"""The first picture is built from its own part of the libraries: nothing else is compiled for it, and nothing twice.
+"""The first picture is built from its own part of the libraries: nothing else is compiled for it, and
+nothing twice.
 
 usage: first_picture_test.py BUILD_FOLDER
 """
@@ -8,14 +9,15 @@ import sys
 import unittest
 
 _FOLDER = sys.argv.pop(1)
-_ITS_LIBRARIES = {"first_picture", "rubble_core_f32", "rubble_first", "rubble_io_first", "rubble_render_first",
-                  "rubble_scenes_first"}
+_ITS_LIBRARIES = {"first_picture", "rubble_core_f32", "rubble_first", "rubble_io_first",
+                  "rubble_render_first", "rubble_scenes_first"}
 # a few lines that know which cores there are
 _CHOOSING = {"src/world/backends.cpp", "src/backend/cuda_support.cpp"}
 
 
 def commands(target):
-    listed = subprocess.run(["ninja", "-C", _FOLDER, "-t", "commands", target], check=True, capture_output=True, text=True)
+    listed = subprocess.run(["ninja", "-C", _FOLDER, "-t", "commands", target],
+                            check=True, capture_output=True, text=True)
     return listed.stdout.splitlines()
 
 
@@ -37,7 +39,8 @@ class FirstPicture(unittest.TestCase):
         self.assertLessEqual(own, objects("rubble_c"))
 
     def test_compiles_the_choice_of_cores_alone_anew(self):
-        own = {name.removesuffix(".o") for library, name in objects("first_picture") if library == "first_picture"}
+        own = {name.removesuffix(".o") for library, name in objects("first_picture")
+               if library == "first_picture"}
         self.assertEqual(own, _CHOOSING | {"apps/first_picture/main.cpp"})
 
 

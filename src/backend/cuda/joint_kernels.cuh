@@ -81,7 +81,7 @@ template <Staged Kernel> constexpr int elementsPerJoint() {
     return 1;
 }
 /// Threads per block: a warp for each part.
-template <Staged Kernel> inline constexpr int kStagedThreads = kWarp* Kernel::StagedJoint::Parts::kCount;
+template <Staged Kernel> inline constexpr int kStagedThreads = (Kernel::StagedJoint::Parts::kCount)*kWarp;
 
 /// One joint of a group by the warps of its block, one for each part.
 template <class Kernel, class F>

@@ -30,7 +30,7 @@ RUBBLE_HD inline Pose stillPose(const SolverData& s, int body, const Vec3& offse
 /// Warm start at x^t. Runs before bodies move to their initial guess.
 template <class F> struct BeginJoints {
   static constexpr const char* kStage = "joint rows";
-  using StagedJoint = F;
+  using StagedJoint = F;  ///< on a GPU it may work on copies of joints
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     Joint<F>& joint = s.jointsOf<F>()[i];
@@ -131,7 +131,7 @@ template <class F> RUBBLE_HD void updateAnchors(const SolverData& s, Joint<F>& j
 template <class F> struct UpdateJointDuals {
   static constexpr const char* kStage = "joint dual";
   static constexpr int kPerJoint = F::Parts::kCount;
-  using StagedJoint = F;
+  using StagedJoint = F;  ///< as BeginJoints
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
     (*this)(s, at, s.specsOf<F>()[at.joint], s.jointsOf<F>()[at.joint]);
