@@ -105,7 +105,8 @@ if(rubble_cuda AND rubble_cuda_sources)
     target_compile_options(rubble_core_cuda PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-fmad=false>)
   else()
     # In a step quotients and roots may be wrong by two units in the last place: fewer instructions, and no branch for rare numbers.
-    set_source_files_properties(${PROJECT_SOURCE_DIR}/src/backend/cuda/cuda_stepper.cu PROPERTIES COMPILE_OPTIONS "-prec-div=false;-prec-sqrt=false")
+    set_source_files_properties(${PROJECT_SOURCE_DIR}/src/backend/cuda/cuda_stepper.cu ${PROJECT_SOURCE_DIR}/src/backend/cuda/tree_solver.cu
+      PROPERTIES COMPILE_OPTIONS "-prec-div=false;-prec-sqrt=false")
   endif()
   target_link_libraries(rubble_core_cuda PRIVATE CUDA::cudart_static)
   target_compile_definitions(rubble PRIVATE RUBBLE_HAS_CUDA=1)

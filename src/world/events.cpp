@@ -68,7 +68,7 @@ std::vector<Touch> World::Impl::collectContacts(Events& to) const {
   return now;
 }
 
-void World::Impl::collectBreaks(Events& to, const std::vector<JointId>& broken) const {
+void World::Impl::collectBreaks(Events& to, std::span<const JointId> broken) const {
   for (const JointId id : broken) {
     const JointRecord& joint = registry.joints[id];
     const JointState state = engine->read().jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
@@ -95,12 +95,10 @@ std::vector<int> World::Impl::collectSleeps(Events& to) const {
   return now;
 }
 
-void World::Impl::collectEvents(const StepReport& report) {
-  events = {};
-  if (!wantsEvents) return;
+void World::Impl::collectEvents(std::span<const JointId> broken) {
   Events fresh;
   std::vector<Touch> touches = collectContacts(fresh);
-  collectBreaks(fresh, report.broken);
+  collectBreaks(fresh, broken);
   std::vector<int> sleepers;
   if (params.sleeping || !registry.sleepers.empty()) sleepers = collectSleeps(fresh);
   // all of it or, without memory, nothing: the next step then reports what has changed since the last events

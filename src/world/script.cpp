@@ -1,6 +1,5 @@
 /// Scripted events of a scene.
 #include <algorithm>
-#include <limits>
 
 #include "world/world_impl.h"
 
@@ -47,12 +46,6 @@ void World::Impl::setScript(std::vector<Event> events) {
   std::ranges::stable_sort(events, {}, &Event::step);
   registry.script = std::make_shared<const std::vector<Event>>(std::move(events));
   registry.nextEvent = 0;
-}
-
-std::int64_t World::Impl::stepsToEvent() const {
-  if (!registry.script || registry.nextEvent == static_cast<int>(registry.script->size()))
-    return std::numeric_limits<std::int64_t>::max();
-  return (*registry.script)[static_cast<std::size_t>(registry.nextEvent)].step - registry.step;
 }
 
 void World::runEvents() {

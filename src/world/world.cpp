@@ -76,7 +76,7 @@ StepReport World::step() {
     if (out.sorted) impl_->engine->sortBodies(), ++impl_->epoch;
     impl_->sortSoon = false;
     impl_->engine->step(out);
-    impl_->finishStep(out);
+    impl_->finishStep(out, out.broken, 0);
     return out;
   });
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -89,16 +89,18 @@ StepReport World::step() {
   return report;
 }
 
-void World::Impl::finishStep(StepReport& report) {
+void World::Impl::finishStep(const StepReport& taken, std::vector<JointId>& broken, std::size_t first) {
   // the step is taken; what follows reports it
   ++registry.step;
   registry.time += params.dt;
-  registry.hasUnlistedBreaks = report.brokenJoints > 0;
-  events = {};
-  difference = report.difference;
-  if (registry.hasUnlistedBreaks) findBroken(report.broken);
-  registry.hasUnlistedBreaks = false;
-  collectEvents(report);
+  if (difference != taken.difference) difference = taken.difference;
+  if (wantsEvents) events = {};
+  if (taken.brokenJoints > 0) {
+    registry.hasUnlistedBreaks = true;
+    findBroken(broken);
+    registry.hasUnlistedBreaks = false;
+  }
+  if (wantsEvents) collectEvents(std::span(broken).subspan(first));
 }
 
 void World::sortBodies() {

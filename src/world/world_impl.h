@@ -1,8 +1,10 @@
 #pragma once
 #include <algorithm>
+#include <limits>
 #include <new>
 #include <optional>
 #include <set>
+#include <span>
 #include <unordered_map>
 
 #include <rubble/events.h>
@@ -162,20 +164,22 @@ struct PoseRing {
 struct World::Impl {
   std::unique_ptr<Engine> engine;
   Registry registry;
-  Params params;
-  bool doublePrecision = false;  ///< of the engine; snapshots of the other precision cannot be restored
-  std::int64_t epoch = 0;
-  PoseRing poses;
+  // What every step looks at follows the end of the registry, in the same lines of the cache: a step of 8,192
+  // small worlds spends most of its time on the host there.
   bool softChanged = false;
   bool jointRowsChanged = true;  ///< since sendJointRows()
   bool sortSoon = false;         ///< the next step sorts the bodies
   bool wantsEvents = false;
+  std::string difference;  ///< of the reports
+  Params params;
+  bool doublePrecision = false;  ///< of the engine; snapshots of the other precision cannot be restored
+  std::int64_t epoch = 0;
+  PoseRing poses;
   LogSink log;
   IdleCalls idle;
   TaskSystem tasks;  ///< of the host
   inputs::Sink inputs;
-  std::string difference;  ///< of the reports
-  bool inBatch = false;    ///< parameters are those of all worlds of a batch
+  bool inBatch = false;  ///< parameters are those of all worlds of a batch
   /// Also of the other worlds of a batch.
   std::shared_ptr<CookedShapes> cooked = std::make_shared<CookedShapes>();
   Events events;
@@ -190,9 +194,14 @@ struct World::Impl {
   void build(const Scene& scene);
   void setScript(std::vector<Event> events);
   /// Steps until the next scripted event is due; not positive: it is.
-  std::int64_t stepsToEvent() const;
-  /// After a step that takes part in no other.
-  void finishStep(StepReport& report);
+  std::int64_t stepsToEvent() const {
+    if (!registry.script || registry.nextEvent == static_cast<int>(registry.script->size()))
+      return std::numeric_limits<std::int64_t>::max();
+    return (*registry.script)[static_cast<std::size_t>(registry.nextEvent)].step - registry.step;
+  }
+  /// Records a step of this world, alone or with others. Appends the joints that broke to those of this world
+  /// from `first` on.
+  void finishStep(const StepReport& taken, std::vector<JointId>& broken, std::size_t first);
   void addActuators(const std::shared_ptr<ActuatorState>& state, std::size_t world);
   /// What a snapshot has of them, and back.
   std::vector<std::vector<double>> actuatorValues() const;
@@ -272,9 +281,9 @@ struct World::Impl {
   void requireAlive(AttachmentId id) const;
   /// Sends edits of deformable objects, which the engine takes all at once.
   void flush();
-  void collectEvents(const StepReport& report);
+  void collectEvents(std::span<const JointId> broken);
   std::vector<Touch> collectContacts(Events& to) const;
-  void collectBreaks(Events& to, const std::vector<JointId>& broken) const;
+  void collectBreaks(Events& to, std::span<const JointId> broken) const;
   std::vector<int> collectSleeps(Events& to) const;
   /// Whether they never collide by a joint, `without` these joints (ascending).
   bool jointExcludes(BodyId a, BodyId b, std::span<const JointId> without = {}) const;

@@ -33,8 +33,14 @@ void accumulate(WorldsReport& to, const WorldsReport& from) {
     else
       found->needed = std::max(found->needed, growth.needed);
   }
-  for (const StageTime& stage : from.stages) {
-    const auto found = std::ranges::find(to.stages, stage.name, &StageTime::name);
+  for (std::size_t k = 0; k < from.stages.size(); ++k) {
+    // mostly batches have the same stages in the same order
+    const StageTime& stage = from.stages[k];
+    const auto begin = to.stages.begin();
+    const auto same = k < to.stages.size() ? begin + static_cast<std::ptrdiff_t>(k) : begin;
+    const auto found = same != to.stages.end() && same->name == stage.name
+                           ? same
+                           : std::ranges::find(to.stages, stage.name, &StageTime::name);
     if (found == to.stages.end())
       to.stages.push_back(stage);
     else
@@ -53,16 +59,14 @@ WorldsReport Worlds::Impl::step(std::size_t batch, int steps, std::span<const ch
   WorldsReport report;
   if (!paused.empty() && std::ranges::all_of(paused, isPaused)) return report;
   if (std::ranges::none_of(paused, isPaused)) paused.clear();
+  for (int w = first; w < first + size; ++w) at(w).flush();
   for (int k = 0; k < steps; ++k) {
-    flush(batch);
     report = {};
+    batches[batch]->flush();  // what joints that broke have changed
     batches[batch]->worlds().stepWorlds(report, paused);
     for (int w = first; w < first + size; ++w) {
       if (!paused.empty() && paused[static_cast<std::size_t>(w - first)]) continue;
-      StepReport own;
-      own.brokenJoints = report.brokenJoints;
-      at(w).finishStep(own);
-      report.broken.insert(report.broken.end(), own.broken.begin(), own.broken.end());
+      at(w).finishStep(report, report.broken, report.broken.size());
       report.brokenIn.resize(report.broken.size(), w);
     }
   }
@@ -123,8 +127,9 @@ WorldsReport Worlds::step(int steps, std::span<const char> active) try {
     int stride = left;
     for (int w = 0; w < count(); ++w) {
       if (!active.empty() && !active[static_cast<std::size_t>(w)]) continue;
-      (*this)[w].runEvents();
-      stride = static_cast<int>(std::min<std::int64_t>(stride, impl_->at(w).stepsToEvent()));
+      const World::Impl& own = impl_->at(w);
+      if (own.stepsToEvent() <= 0) (*this)[w].runEvents();
+      stride = static_cast<int>(std::min<std::int64_t>(stride, own.stepsToEvent()));
     }
     std::vector<WorldsReport> reports(impl_->batches.size());
     impl_->forEachBatch([&](std::size_t k) { reports[k] = impl_->step(k, stride, active); });

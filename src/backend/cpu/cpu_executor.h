@@ -14,6 +14,7 @@
 #include "backend/cpu/counting.h"
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
+#include "backend/cpu/stage_clock.h"
 #include "backend/division.h"
 #include "backend/kernel_observer.h"
 #include "platform/threads.h"
@@ -50,7 +51,7 @@ class CpuExecutor {
   template <class F> void run(F&& f) { threads_.run(f); }
 
   template <class Kernel> void forEach(const Kernel& kernel, int n) {
-    const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
+    enter<Kernel>();
     if constexpr (isDivided<Kernel>())
       if (division_) return runPart(kernel, n, Divided<Kernel>::which(kernel));
     const SolverData& s = view();
@@ -66,7 +67,7 @@ class CpuExecutor {
   template <class Kernel, class N> void beside(const Kernel& kernel, N n) { forEach(kernel, n); }
 
   template <class Kernel> void forEachIn(const Kernel& kernel, Array<int> SolverData::*offsets, int k) {
-    const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
+    enter<Kernel>();
     const SolverData& s = view();
     const int begin = (s.*offsets)[k];
     if constexpr (isDivided<Kernel>())
@@ -122,7 +123,7 @@ class CpuExecutor {
 
   template <class Kernel, class VertexKernel>
   void forEachColor(const Kernel& kernel, const VertexKernel& vertexKernel) {
-    const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
+    enter<Kernel>();
     const SolverData& s = view();
     for (int c = 0; c < s.counters->colors; ++c) {
       const int begin = s.colorOffset[c];
@@ -161,7 +162,7 @@ class CpuExecutor {
   void endRooms() { rooms_.clear(); }
 
   /// Stage times since the last call [ms].
-  std::vector<StageTime> takeTimes() { return std::exchange(times_, {}); }
+  std::vector<StageTime> takeTimes() { return clock_.take(); }
   /// Tables that have grown since the last call.
   std::vector<Growth> takeGrown() { return std::exchange(grown_, {}); }
 
@@ -169,36 +170,11 @@ class CpuExecutor {
   int countOf(int n) const { return n; }
   int countOf(int Counters::*n) const { return view().counters->*n; }
 
-  /// Adds the time of its own lifetime to a stage.
-  class StageClock {
-   public:
-    StageClock(CpuExecutor& executor, const char* name, std::string_view kernel) : executor_(executor) {
-      if (executor.observer_) executor.observer_(name, kernel);
-      if (!executor.timings_) return;
-      // the entry is made here, because a destructor must not run out of memory
-      std::vector<StageTime>& times = executor.times_;
-      const auto found = std::ranges::find(times, name, &StageTime::name);
-      entry_ = static_cast<std::size_t>(found - times.begin());
-      try {
-        if (found == times.end()) times.push_back({name, 0});
-      } catch (const std::bad_alloc&) {
-        entry_ = kUntimed;  // a step does not fail for the want of its times
-      }
-      begin_ = Clock::now();
-    }
-    ~StageClock() {
-      if (entry_ != kUntimed)
-        executor_.times_[entry_].ms += std::chrono::duration<double, std::milli>(Clock::now() - begin_)
-                                           .count();
-    }
-
-   private:
-    using Clock = std::chrono::steady_clock;
-    CpuExecutor& executor_;
-    static constexpr std::size_t kUntimed = static_cast<std::size_t>(-1);
-    std::size_t entry_ = kUntimed;
-    Clock::time_point begin_;
-  };
+  /// Begins a kernel of a stage.
+  template <class Kernel> void enter() {
+    if (observer_) observer_(Kernel::kStage, kernelName<Kernel>());
+    if (timings_) clock_.enter(Kernel::kStage);
+  }
 
   /// Runs the elements of this rank. What another rank counts does not count here.
   template <class Kernel> void runPart(const Kernel& kernel, const Division::Part& part) {
@@ -263,7 +239,7 @@ class CpuExecutor {
   bool backward_ = false;
   Division* division_ = nullptr;
   KernelObserver observer_;
-  std::vector<StageTime> times_;
+  StageClock clock_;
   std::vector<Growth> grown_;
 };
 

@@ -17,6 +17,7 @@
 #include "backend/cuda/strand_kernels.cuh"
 #include "backend/cuda/strict_kernels.cuh"
 #include "backend/cuda/tree_kernels.cuh"
+#include "backend/cuda/tree_solver.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -201,7 +202,8 @@ class CudaExecutor : private ScanLauncher {
     if constexpr (kStrict) return run<SolveTree>(kernel, n);
     if (!begins() || n <= 0) return;
     enterStage(SolveTree::kStage);
-    launchNext(solveTrees, {n, kTreeThreads}, SolveTree::kStage, view(), Gate{control_});
+    const TreeLaunch trees = solveTreesWith(n, maxBlocks_ * kThreads);
+    launchNext(trees.kernel, {trees.blocks, trees.threads}, SolveTree::kStage, view(), n, Gate{control_});
   }
 
   /// One block per column assembles and solves it.

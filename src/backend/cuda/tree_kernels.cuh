@@ -1,7 +1,7 @@
 #pragma once
 /// Kernels of joint trees, one tile of lanes per body. A joint has hundreds of numbers, and bodies have up to
 /// about five joints.
-#include "backend/cuda/kernels.cuh"
+#include "backend/cuda/tree_parts.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -75,23 +75,6 @@ template <class L> struct AssembleTreeBodiesByTile {
 };
 template <class L> struct OnDevice<AssembleTreeBodies<L>> { using Type = AssembleTreeBodiesByTile<L>; };
 
-/// Eight lanes per body. Lane i holds column i of H and of the couplings, lane 6 the force: for a row J with
-/// stiffness K and force F, lanes add J times K J_i, K J'_i of a neighbor, and -F.
-struct TreeLane {
-  static constexpr int kWidth = 8, kForce = 6;
-  /// A column of [H f], and one of each coupling.
-  struct Columns {
-    double own[6], coupling[2][6];
-  };
-  __device__ static bool isColumn(int lane) { return lane < 6; }
-  /// The column of a lane in a body's block without couplings.
-  __device__ static void load(const TreeBlock& w, int lane, double (&own)[6]) {
-#pragma unroll
-    for (int i = 0; i < 6; ++i)
-      own[i] = isColumn(lane) ? (i >= lane ? w.h.m[i][lane] : 0) : lane == kForce ? w.x.v[i] : 0;
-  }
-};
-
 /// Adds the joints of a body, part by part, to its block.
 struct AssembleTreeJointsByTile {
   static constexpr const char* kStage = AssembleTreeJoints::kStage;
@@ -99,16 +82,10 @@ struct AssembleTreeJointsByTile {
   static constexpr int kWidth = TreeLane::kWidth, kBlocks = 5;
 
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
-    const TreeNode node = s.treeNode[n];
+    __shared__ PartRing rings[kThreads / kWidth];
+    PartRing& ring = rings[threadIdx.x / kWidth];
+    const TreeLane::Columns sums = columnsOf(s, n, NodeRecord::of(s, n), tile, ring);
     TreeBlock& w = s.treeWork[n];
-    TreeLane::Columns sums{};
-    TreeLane::load(w, tile.lane, sums.own);
-    const bool locked = tile.lane < 3 && isLocked(s, tile.lane == 0   ? node.parent[0]
-                                                     : tile.lane == 1 ? node.parent[1]
-                                                                      : n);
-    if (!stands(s, node))
-      for (int k = s.incidenceOffset[node.body], end = s.incidenceOffset[node.body + 1]; k < end; k += kWidth)
-        addJoints(s, node, k, end, tile, sums);
 #pragma unroll
     for (int i = 0; i < 6; ++i) {
       if (tile.lane == TreeLane::kForce) w.x.v[i] = sums.own[i];
@@ -117,67 +94,63 @@ struct AssembleTreeJointsByTile {
 #pragma unroll
       for (int t = 0; t < 2; ++t) w.e[t].m[i][tile.lane] = sums.coupling[t][i];
     }
-    if (tile.ballot(locked) == 0) return;
-    __syncwarp(tile.mask);
-    if (tile.lane == 0) AssembleTreeJoints::lockAxesOf(s, node, w);
+  }
+  /// The block of a body and its couplings, with its joints.
+  __device__ static TreeLane::Columns columnsOf(const SolverData& s, int n, const NodeRecord& record,
+                                                const Tile<kWidth>& tile, PartRing& ring) {
+    TreeLane::Columns sums{};
+    TreeLane::load(s.treeWork[n], tile.lane, sums.own);
+    for (int k = record.begin; k < record.end; k += kWidth)
+      addJoints(s, record.node, k, record.end, tile, ring, sums);
+    if ((record.locks[0] | record.locks[1] | record.locks[2]) != 0) lockAxes(record.locks, tile.lane, sums);
+    return sums;
   }
 
  private:
-  /// This lane's numbers of the rows of a part: K (-F for the force), and a number of J, of J' of each
-  /// neighbor, and of the second derivatives.
-  struct PartOfLane {
-    int count = 0;
-    double scale[kMostTreeRows];
-    Real own[kMostTreeRows], far[2][kMostTreeRows], bend;
-  };
-
-  __device__ static bool isLocked(const SolverData& s, int n) {
-    return n >= 0 && s.target[s.treeNode[n].body].locks != 0;
+  /// Decouples locked axes, those of NodeRecord.
+  __device__ static void lockAxes(const int (&locks)[3], int lane, TreeLane::Columns& sums) {
+#pragma unroll
+    for (int i = 0; i < 6; ++i) {
+      if (i != lane && ((locks[2] >> i | locks[2] >> lane) & 1)) sums.own[i] = 0;
+#pragma unroll
+      for (int t = 0; t < 2; ++t)
+        if ((locks[2] >> i | locks[t] >> lane) & 1) sums.coupling[t][i] = 0;
+    }
   }
 
   /// Adds the joints among a tile of incidences from k on.
   __device__ static void addJoints(const SolverData& s, const TreeNode& node, int k, int end,
-                                   const Tile<kWidth>& tile, TreeLane::Columns& sums) {
-    const JointOfLane own = k + tile.lane < end ? jointOf(s, node, s.incidence[k + tile.lane])
-                                                : JointOfLane{};
-    const int last = tile.sumBefore(own.parts) + own.parts,
+                                   const Tile<kWidth>& tile, PartRing& ring, TreeLane::Columns& sums) {
+    const JointParts own = k + tile.lane < end ? jointOf(s, node, s.incidence[k + tile.lane]) : JointParts{};
+    const int parts = own.parts(), last = tile.sumBefore(parts) + parts,
               all = __shfl_sync(tile.mask, last, kWidth - 1, kWidth);
-    JointOfLane joint{};
-    for (int p = 0, next = 0, until = 0; p < all; ++p) {
-      for (; p == until; ++next) {
-        joint = own.of(next, tile);
-        until = __shfl_sync(tile.mask, last, next, kWidth);
+    JointParts joint{};
+    int next = 0, until = 0;
+    const auto request = [&](int p) {
+      if (p < all) {
+        for (; p == until; ++next) {
+          joint = own.of(next, tile);
+          until = __shfl_sync(tile.mask, last, next, kWidth);
+        }
+        ring.request(p, joint, tile.lane);
       }
-      const PartOfLane part = joint.hasFrameBodies() ? read<4>(joint, tile.lane) : read<2>(joint, tile.lane);
-      add(part, joint, tile, sums);
+      __pipeline_commit();
+    };
+    for (int p = 0; p < PartRing::kAhead - 1; ++p) request(p);
+    for (int p = 0; p < all; ++p) {
+      __pipeline_wait_prior(PartRing::kAhead - 2);
+      __syncwarp(tile.mask);
+      request(p + PartRing::kAhead - 1);
+      const PartRing::Slot& slot = ring.slot[p % PartRing::kAhead];
+      const TreeSides sides = slot.sides;
+      add(sides.hasFrameBodies() ? read<4>(slot, sides, tile.lane) : read<2>(slot, sides, tile.lane), sides,
+          tile, sums);
     }
+    __syncwarp(tile.mask);
   }
-  /// A joint whose next part is at `part`, and its sides that are the body and its neighbors.
-  struct JointOfLane {
-    const char* part;
-    int parts;
-    unsigned sides;
-    __device__ JointOfLane(const char* at = nullptr, int count = 0, bool hasFrameBodies = false, int own = 0,
-                           const TreeCoupling& to = {{-1, -1}})
-        : part(at),
-          parts(count),
-          sides(static_cast<unsigned>(own | (to.side[0] + 1) << 2 | (to.side[1] + 1) << 5 |
-                                      (hasFrameBodies ? 1 << 8 : 0))) {}
-    __device__ int side() const { return static_cast<int>(sides & 3); }
-    __device__ int far(int t) const { return static_cast<int>(sides >> (2 + 3 * t) & 7) - 1; }
-    __device__ bool hasFrameBodies() const { return sides >> 8 != 0; }
-    /// The value of another lane.
-    __device__ JointOfLane of(int lane, const Tile<kWidth>& tile) const {
-      JointOfLane other;
-      other.part = reinterpret_cast<const char*>(
-          __shfl_sync(tile.mask, reinterpret_cast<unsigned long long>(part), lane, kWidth));
-      other.sides = __shfl_sync(tile.mask, sides, lane, kWidth);
-      return other;
-    }
-  };
-  __device__ static JointOfLane jointOf(const SolverData& s, const TreeNode& node,
-                                        const Incidence& incidence) {
-    JointOfLane joint;
+  __device__ static JointParts jointOf(const SolverData& s, const TreeNode& node,
+                                       const Incidence& incidence) {
+    JointParts joint;
     // read before the branch on the type, so that all lanes wait for memory together; the other side of an
     // attachment is a vertex
     const bool isBody = incidence.other >= 0 && incidence.other < s.bodies;
@@ -191,34 +164,40 @@ struct AssembleTreeJointsByTile {
         to = couplingOf<F>(s, node, incidence);
       else
         noteCoupling(node, 1 - side, far, to);
-      joint = {reinterpret_cast<const char*>(s.treeRowsOf<F>()[jointIndex<F>(incidence.code)].part),
-               F::Parts::kCount, hasFrameBodies<F>(), side, to};
+      joint = {s.treeRowsOf<F>()[jointIndex<F>(incidence.code)].part, F::Parts::kCount, side, to};
     });
     return joint;
   }
 
-  /// Reads the next part of a joint.
-  template <int kSides> __device__ static PartOfLane read(JointOfLane& joint, int lane) {
-    const TreePart<kSides>& part = *reinterpret_cast<const TreePart<kSides>*>(joint.part);
-    joint.part += sizeof part;
+  /// This lane's numbers of the rows of a part: K (-F for the force), and a number of J, of J' of each
+  /// neighbor, and of the second derivatives.
+  struct PartOfLane {
+    int count;
+    double scale[kMostTreeRows];
+    Real own[kMostTreeRows], far[2][kMostTreeRows], bend;
+  };
+
+  /// Reads a part that has come.
+  template <int kSides>
+  __device__ static PartOfLane read(const PartRing::Slot& slot, TreeSides sides, int lane) {
+    const TreePart<kSides>& part = reinterpret_cast<const TreePart<kSides>&>(slot.rows);
     const auto of = [&](const Vec6& v) { return (&v.lin.x)[min(lane, 5)]; };
     PartOfLane own;
-    own.count = part.count;
-    own.bend = of(part.bend[joint.side()]);
+    own.count = slot.count;
+    own.bend = of(part.bend[sides.own()]);
 #pragma unroll
     for (int k = 0; k < kMostTreeRows; ++k) {
       if (k >= own.count) break;
       const TreeRow<kSides>& row = part.row[k];
       own.scale[k] = lane == TreeLane::kForce ? -row.force : row.hessian;
-      own.own[k] = of(row.j[joint.side()]);
+      own.own[k] = of(row.j[sides.own()]);
 #pragma unroll
-      for (int t = 0; t < 2; ++t) own.far[t][k] = joint.far(t) >= 0 ? of(row.j[joint.far(t)]) : Real(0);
+      for (int t = 0; t < 2; ++t) own.far[t][k] = sides.far(t) >= 0 ? of(row.j[sides.far(t)]) : Real(0);
     }
     return own;
   }
-  __device__ static void add(const PartOfLane& part, const JointOfLane& joint, const Tile<kWidth>& tile,
+  __device__ static void add(const PartOfLane& part, TreeSides sides, const Tile<kWidth>& tile,
                              TreeLane::Columns& sums) {
-    if (part.count == 0) return;
 #pragma unroll
     for (int k = 0; k < kMostTreeRows; ++k) {
       if (k >= part.count) break;
@@ -231,7 +210,7 @@ struct AssembleTreeJointsByTile {
       for (int i = 0; i < 6; ++i) sums.own[i] += j[i] * factor;
 #pragma unroll
       for (int t = 0; t < 2; ++t) {
-        if (joint.far(t) < 0) continue;
+        if (sides.far(t) < 0) continue;
         const double far = scale * static_cast<double>(part.far[t][k]);
 #pragma unroll
         for (int i = 0; i < 6; ++i) sums.coupling[t][i] += j[i] * far;
@@ -250,17 +229,22 @@ struct EliminateNodeByTile {
   static constexpr const char* kStage = EliminateNode::kStage;
   static constexpr int kWidth = TreeLane::kWidth, kBlocks = 5;
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
-    const int lane = tile.lane, column = min(lane, 5);
     const TreeNode node = s.treeNode[n];
-    TreeWork& w = s.treeWork[n];
-    const bool isForce = lane == TreeLane::kForce, isColumn = TreeLane::isColumn(lane);
+    const TreeWork& w = s.treeWork[n];
     TreeLane::Columns c{};
-    TreeLane::load(w, lane, c.own);
+    TreeLane::load(w, tile.lane, c.own);
 #pragma unroll
     for (int t = 0; t < 2; ++t)
       if (node.parent[t] >= 0)
 #pragma unroll
-        for (int i = 0; i < 6; ++i) c.coupling[t][i] = w.e[t].m[i][column];
+        for (int i = 0; i < 6; ++i) c.coupling[t][i] = w.e[t].m[i][min(tile.lane, 5)];
+    eliminate(s, n, node, tile, c);
+  }
+  __device__ static void eliminate(const SolverData& s, int n, const TreeNode& node, const Tile<kWidth>& tile,
+                                   TreeLane::Columns& c) {
+    const int lane = tile.lane, column = min(lane, 5);
+    TreeWork& w = s.treeWork[n];
+    const bool isForce = lane == TreeLane::kForce, isColumn = TreeLane::isColumn(lane);
     for (int child = node.childBegin; child < node.childEnd; ++child) {
       const int code = s.treeChild[child], from = code >> 1, side = code & 1;
       const TreeWork& o = s.treeWork[from];
@@ -317,8 +301,11 @@ struct SubstituteNodeByTile {
   static constexpr const char* kStage = SubstituteNode::kStage;
   static constexpr int kWidth = 8;
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
+    substitute(s, n, s.treeNode[n], tile);
+  }
+  __device__ static void substitute(const SolverData& s, int n, const TreeNode& node,
+                                    const Tile<kWidth>& tile) {
     const int i = tile.lane;
-    const TreeNode node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
     double x = i < 6 ? w.x.v[i] : 0;
     for (int t = 0; t < 2; ++t) {
@@ -373,29 +360,6 @@ __device__ void forEachLevelBack(const SolverData& s, const SmallTree& tree, Lev
     for (first = last - 1; first > tree.begin && s.nodeLevel[first - 1] == s.nodeLevel[last - 1];) --first;
     level(first, last);
   }
-}
-
-/// SolveTree by a block, with up to 128 registers per thread.
-inline constexpr int kTreeThreads = 2 * kWarp, kTreeBlocks = 8;
-static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks)
-    solveTrees(const __grid_constant__ SolverData s, Gate gate) {
-  gate.enter([&] {
-    const int index = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
-    const SmallTree tree = s.smallTree[index];
-    if (tree.begin == tree.end || s.treeConverged[tree.begin]) return;
-    const auto solve = [&]<class Kernel>(const Kernel& kernel, int first, int last) {
-      constexpr int kWidth = Kernel::kWidth;
-      const Tile<kWidth> tile = Tile<kWidth>::ofThread();
-      for (int k = first + thread / kWidth; k < last; k += kTreeThreads / kWidth) kernel(s, k, tile);
-      __syncthreads();
-    };
-    solve(AssembleTreeJointsByTile{}, tree.begin, tree.end);
-    forEachLevel(s, tree, [&](int first, int last) { solve(EliminateNodeByTile{}, first, last); });
-    forEachLevelBack(s, tree, [&](int first, int last) { solve(SubstituteNodeByTile{}, first, last); });
-    // bypasses a stale L1 cache line
-    const double share = treeShare(__ldcg(&s.treeMaxRotation[tree.begin]));
-    for (int n = tree.begin + thread; n < tree.end; n += kTreeThreads) MoveTrees::move(s, n, share);
-  });
 }
 
 /// ProjectTree by a warp, one lane per body.
