@@ -111,6 +111,22 @@ TEST_F(CudaWorlds, CopiesStayEqual) {
   for (int w = 1; w < worlds.count(); w += 23) ASSERT_EQ(worlds[w].hash(), first) << "world " << w;
 }
 
+/// Few joint trees take a block each and many a tile each, with the same bits: chains with limits, of more
+/// bodies than a tile has lanes, with locked axes.
+TEST_F(CudaWorlds, ThousandsOfJointTreesHaveTheBitsOfOneAlone) {
+  Random random(7);
+  Scene scene;
+  addChain(scene, random, 21);
+  scene.bodies[5].lockRotation[1] = scene.bodies[12].lockTranslation[0] = true;
+  Worlds many(worldsOptions("cuda")), one(worldsOptions("cuda")), cpu(worldsOptions("cpu"));
+  many.addCopies(scene, 2500), one.add(scene), cpu.add(scene);
+  for (Worlds* worlds : {&many, &one, &cpu}) worlds->step(3);
+  for (const BodyId id : cpu[0].bodies())
+    EXPECT_LT(length(cpu[0].state(id).position - one[0].state(id).position), 1e-4) << id.index;
+  many.step(60), one.step(60);
+  for (int w = 0; w < many.count(); w += 357) ASSERT_EQ(stateOf(many[w]), stateOf(one[0])) << "world " << w;
+}
+
 TEST_F(CudaWorlds, AgreeWithTheCpuInTheFirstSteps) {
   Worlds cuda(worldsOptions("cuda")), cpu(worldsOptions("cpu"));
   for (Worlds* worlds : {&cuda, &cpu})
