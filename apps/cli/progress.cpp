@@ -20,6 +20,10 @@ std::string duration(double seconds) {
   const int whole = static_cast<int>(std::lround(seconds));
   return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{}:{:02} min", whole / 60, whole % 60);
 }
+/// `ms`: of the last step; 0: it did not take one.
+std::string speed(double ms, const char* after) {
+  return ms > 0 ? fmt::format("{:.1f} ms/step{}", ms, after) : "";
+}
 
 }  // namespace
 
@@ -49,7 +53,7 @@ void Progress::drawBar(int done, double ms) {
   for (int i = 0; i < kBarWidth; ++i) bar += i < filled ? "█" : "░";
   const double elapsed = now - startTime_;
   const double left = elapsed / done * (steps_ - done);
-  fmt::print(stderr, "\r{} {} {} {}/{}  {:.1f} ms/step  {}\x1b[K", title_, bar, unit_, done, steps_, ms,
+  fmt::print(stderr, "\r{} {} {} {}/{}  {}{}\x1b[K", title_, bar, unit_, done, steps_, speed(ms, "  "),
              done < steps_ ? duration(left) + " left" : duration(elapsed));
   std::fflush(stderr);
   barIsOpen_ = done < steps_;
@@ -61,7 +65,7 @@ void Progress::printLine(int done, double ms) {
   if (tenths == tenthsPrinted_) return;
   tenthsPrinted_ = tenths;
   const double elapsed = secondsNow() - startTime_;
-  fmt::print(stderr, "{}: {} {}/{}, {:.1f} ms/step, {}, {} left\n", title_, unit_, done, steps_, ms,
+  fmt::print(stderr, "{}: {} {}/{}, {}{}, {} left\n", title_, unit_, done, steps_, speed(ms, ", "),
              duration(elapsed), duration(elapsed / done * (steps_ - done)));
 }
 
