@@ -101,7 +101,7 @@ struct JointParts {
 };
 /// The rows of the next parts on their way from memory to a tile.
 struct PartRing {
-  static constexpr int kAhead = 3;
+  static constexpr int kAhead = 3;  ///< slots: one part is added while the others come
   struct alignas(sizeof(int4)) Slot {
     char rows[sizeof(TreePart<4>)];
     TreeSides sides;
