@@ -59,8 +59,8 @@ class GpuSanitize(unittest.TestCase):
     def test_tells_errors_crashes_and_runs_that_take_too_long(self):
         self.plant("tower.sh", "exit 99")
         self.plant("pile.sh", "exit 3")
-        self.plant("net.sh", "sleep 60")
-        status, runs, _ = self.run_tool("--tool", "memcheck", "--limit", "2", "--jobs", "5")
+        self.plant("net.sh", "sleep 600")
+        status, runs, _ = self.run_tool("--tool", "memcheck", "--limit", "10", "--jobs", "5")
         self.assertEqual(status, 1)
         self.assertEqual(runs, {"memcheck tower": "ERRORS", "memcheck pile": "rc 3",
                                 "memcheck net": "cut off", "memcheck smash": "ok", "memcheck soak": "ok"})

@@ -57,8 +57,8 @@ class Validation(unittest.TestCase):
         self.assertIn("1 of 1 runs, 0 s left", says)
 
     def test_stops_at_a_limit(self):
-        (self.root / "second").write_text("exec sleep 60")
-        status, runs, says = self.measure("--limit", "2")
+        (self.root / "second").write_text("exec sleep 600")
+        status, runs, says = self.measure("--limit", "10")
         self.assertEqual((status, runs), (1, ["first", "second"]))
         self.assertIn("2 of 3 runs are left, 0 of them failed", says)
         (self.root / "second").unlink()
