@@ -164,8 +164,8 @@ struct PoseRing {
 struct World::Impl {
   std::unique_ptr<Engine> engine;
   Registry registry;
-  // What every step looks at follows the end of the registry, in the same lines of the cache: a step of 8,192
-  // small worlds spends most of its time on the host there.
+  // What every step looks at follows the end of the registry, in the same lines of the cache: each step of a
+  // batch visits thousands of worlds.
   bool softChanged = false;
   bool jointRowsChanged = true;  ///< since sendJointRows()
   bool sortSoon = false;         ///< the next step sorts the bodies

@@ -65,7 +65,8 @@ struct TreeSides {
 /// once: rows do not wait for their number.
 struct JointParts {
   static constexpr int kBits = 2, kMostParts = mostParts(JointTypes{});
-  static_assert(kMostTreeRows < 1 << kBits && kBits * kMostParts <= 32);
+  static constexpr unsigned kLowerBits = 0x55555555u;  ///< of each number in `counts`
+  static_assert(kBits == 2 && kMostTreeRows < 1 << kBits && kBits * kMostParts <= 32);
   const char* part;
   TreeSides sides;
   unsigned counts;
@@ -78,7 +79,7 @@ struct JointParts {
       if (p < count) counts |= static_cast<unsigned>(first[p].count) << (kBits * p);
   }
   /// Number of parts with rows.
-  __device__ int parts() const { return __popc((counts | counts >> 1) & 0x55555555u); }
+  __device__ int parts() const { return __popc((counts | counts >> 1) & kLowerBits); }
   /// The next part with rows, and their number.
   template <int kSides> __device__ const TreePart<kSides>& take(int& count) {
     const int skipped = (__ffs(static_cast<int>(counts)) - 1) / kBits;
