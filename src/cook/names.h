@@ -20,6 +20,8 @@ inline std::size_t editDistance(std::string_view a, std::string_view b, std::siz
       row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0u : 1u)});
       diagonal = above;
     }
+    // no later row has a smaller number
+    if (std::ranges::min(row) > most) return most + 1;
   }
   return row[b.size()];
 }
