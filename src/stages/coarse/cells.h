@@ -32,7 +32,7 @@ RUBBLE_HD inline int finestSharedLevel(const SolverData& s, int a, int b) {
   const StepConstants& step = s.step[worldOfNode(s, a)];
   const double larger = static_cast<double>(max(radiusOf(s, a), radiusOf(s, b)));
   const double edge = kHalfDoubling * kFinestCell * larger * step.perFall;
-  // of two points, or where free fall has no bound: no power of two bounds the cells, and all nodes share them
+  // of two points, or where free fall has no bound: all nodes share cells without bound
   if (!(edge > 0 && edge <= std::numeric_limits<double>::max())) return 0;
   const int finest = std::ilogb(edge);
   int level = 0;
