@@ -54,7 +54,7 @@ std::string decompress(const Bytes&, Bytes&) {
 
 #if defined(RUBBLE_HAS_ZSTD)
 Bytes packPieces(const Bytes& content, std::size_t begin, std::size_t end) {
-  const std::size_t room = ZSTD_compressBound(kPieceBytes);
+  const std::size_t room = ZSTD_compressBound(std::min(kPieceBytes, content.size()));
   Bytes packed((end - begin) * room);
   std::vector<std::size_t> sizes(end - begin);
   forEachTask(end - begin, [&](std::size_t k) {

@@ -16,7 +16,7 @@ std::string hint(std::string_view name, const std::vector<std::string>& names) {
   const std::string* best = nullptr;
   std::size_t bestDistance = std::max<std::size_t>(2, name.size() / 3) + 1;
   for (const std::string& candidate : names) {
-    const std::size_t distance = editDistance(std::string(name), candidate);
+    const std::size_t distance = editDistance(name, candidate, bestDistance);
     if (distance < bestDistance) best = &candidate, bestDistance = distance;
   }
   return best ? " (did you mean " + describe(*best) + "?)" : "";

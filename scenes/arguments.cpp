@@ -16,7 +16,7 @@ std::string nearNames(const std::string& name, const std::vector<std::string>& n
   const std::size_t tolerance = std::max<std::size_t>(2, name.size() / 3);
   std::vector<std::string> near;
   for (const std::string& candidate : names)
-    if (candidate.find(name) != std::string::npos || editDistance(name, candidate) <= tolerance)
+    if (candidate.find(name) != std::string::npos || editDistance(name, candidate, tolerance) <= tolerance)
       near.push_back(candidate);
   if (near.empty() && names.size() > kMany) return std::string("one of those that '") + list + "' lists";
   if (near.empty()) near = names;

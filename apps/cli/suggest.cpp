@@ -16,10 +16,10 @@ std::string suggestion(const std::string& name, const std::vector<std::string>& 
   const std::size_t tolerance = std::max<std::size_t>(2, name.size() / 3);
   std::vector<std::pair<std::size_t, std::string>> near;
   for (const std::string& candidate : names) {
-    const std::size_t distance = editDistance(name, candidate);
+    const std::size_t most = std::min({tolerance, name.size() - 1, candidate.size() - 1});
+    const std::size_t distance = editDistance(name, candidate, most);
     const bool begins = name.size() > 3 && candidate.rfind(name, 0) == 0;
-    if (begins || distance <= std::min({tolerance, name.size() - 1, candidate.size() - 1}))
-      near.emplace_back(begins ? 0 : distance, candidate);
+    if (begins || distance <= most) near.emplace_back(begins ? 0 : distance, candidate);
   }
   std::ranges::sort(near);
   std::vector<std::string> best;

@@ -1,15 +1,17 @@
 #pragma once
 /// Similarity of names, for suggestions in errors.
 #include <algorithm>
-#include <string>
+#include <numeric>
+#include <string_view>
 #include <vector>
 
 namespace rubble {
 
-/// Levenshtein distance of two names.
-inline std::size_t editDistance(const std::string& a, const std::string& b) {
+/// Levenshtein distance of two names; any number above `most` if it is above that.
+inline std::size_t editDistance(std::string_view a, std::string_view b, std::size_t most) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) > most) return most + 1;
   std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
     std::size_t diagonal = row[0];
     row[0] = i;
@@ -18,6 +20,8 @@ inline std::size_t editDistance(const std::string& a, const std::string& b) {
       row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0u : 1u)});
       diagonal = above;
     }
+    // no later row has a smaller number
+    if (std::ranges::min(row) > most) return most + 1;
   }
   return row[b.size()];
 }

@@ -1,6 +1,7 @@
 #include <rubble/mesh.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -53,11 +54,14 @@ class MeshBuilder {
   };
   void turned(const std::vector<Ring>& rings) {
     const int first = static_cast<int>(mesh.points.size());
+    std::vector<std::array<double, 2>> around;  // cosine and sine
+    for (int k = 0; k <= segments_; ++k) {
+      const double angle = kTurn * k / segments_;
+      around.push_back({portable::cos(angle), portable::sin(angle)});
+    }
     for (const Ring& ring : rings)
-      for (int k = 0; k <= segments_; ++k) {
-        const double angle = kTurn * k / segments_, c = portable::cos(angle), s = portable::sin(angle);
+      for (const auto& [c, s] : around)
         corner({ring.r * c, ring.r * s, ring.z}, {ring.nr * c, ring.nr * s, ring.nz});
-      }
     const int row = segments_ + 1;
     for (int i = 0; i + 1 < static_cast<int>(rings.size()); ++i)
       for (int k = 0; k < segments_; ++k) {

@@ -3,6 +3,7 @@
 #include <rubble/math.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -18,15 +19,15 @@ struct Wide {
 };
 
 /// a + b where |a| >= |b|
-Wide orderedSum(double a, double b) {
+constexpr Wide orderedSum(double a, double b) {
   const double sum = a + b;
   return {sum, b - (sum - a)};
 }
-Wide sum(double a, double b) {
+constexpr Wide sum(double a, double b) {
   const double total = a + b, other = total - a;
   return {total, (a - (total - other)) + (b - other)};
 }
-Wide product(double a, double b) {
+constexpr Wide product(double a, double b) {
   const auto upper = [](double x) {
     const double scaled = 134217729 * x;
     return scaled - (scaled - x);
@@ -34,18 +35,18 @@ Wide product(double a, double b) {
   const double whole = a * b, a1 = upper(a), b1 = upper(b), a2 = a - a1, b2 = b - b1;
   return {whole, ((a1 * b1 - whole) + a1 * b2 + a2 * b1) + a2 * b2};
 }
-Wide operator+(const Wide& a, const Wide& b) {
+constexpr Wide operator+(const Wide& a, const Wide& b) {
   const Wide s = sum(a.high, b.high), t = sum(a.low, b.low);
   const Wide u = orderedSum(s.high, s.low + t.high);
   return orderedSum(u.high, u.low + t.low);
 }
-Wide operator-(const Wide& a) { return {-a.high, -a.low}; }
-Wide operator-(const Wide& a, const Wide& b) { return a + -b; }
-Wide operator*(const Wide& a, const Wide& b) {
+constexpr Wide operator-(const Wide& a) { return {-a.high, -a.low}; }
+constexpr Wide operator-(const Wide& a, const Wide& b) { return a + -b; }
+constexpr Wide operator*(const Wide& a, const Wide& b) {
   const Wide p = product(a.high, b.high);
   return orderedSum(p.high, p.low + (a.high * b.low + a.low * b.high));
 }
-Wide operator/(const Wide& a, const Wide& b) {
+constexpr Wide operator/(const Wide& a, const Wide& b) {
   const double q1 = a.high / b.high;
   Wide rest = a - b * q1;
   const double q2 = rest.high / b.high;
@@ -68,10 +69,24 @@ constexpr Wide kHalfPi{1.5707963267948966, 6.123233995736766e-17},
 /// pi/2 beyond kHalfPi
 constexpr double kHalfPiRest = -1.4973849048591698e-33;
 
-/// 1 + a z (1 + b z (1 + ...)), where factor(k) are a, b, ... of the first `terms`
-template <class Factor> Wide nested(const Wide& z, int terms, Factor&& factor) {
+/// factor(0), factor(1), ...: at compile time, since a quotient takes longer than the rest of a term.
+template <int kTerms, class Factor>
+constexpr std::array<Wide, kTerms> kFactors = [] {
+  std::array<Wide, kTerms> out;
+  for (int k = 0; k < kTerms; ++k) out[static_cast<std::size_t>(k)] = Factor{}(k);
+  return out;
+}();
+/// 1 + a z (1 + b z (1 + ...)), where factor(0), factor(1), ... are a, b, ...
+template <int kTerms, class Factor> Wide nested(const Wide& z, Factor) {
   Wide value = 1;
-  for (int k = terms; k > 0; --k) value = Wide(1) + z * value * factor(k);
+  for (std::size_t k = kTerms; k-- > 0;) value = Wide(1) + z * value * kFactors<kTerms, Factor>[k];
+  return value;
+}
+/// 1 + z/3 + z^2/5 + ...
+template <int kTerms> Wide oddReciprocals(const Wide& z) {
+  constexpr auto factor = [](int k) { return Wide(1) / (2.0 * k + 1); };
+  Wide value = 0;
+  for (std::size_t k = kTerms; k-- > 0;) value = kFactors<kTerms, decltype(factor)>[k] + z * value;
   return value;
 }
 
@@ -81,24 +96,27 @@ Wide quarterTurns(double x, int& quarter) {
   quarter = static_cast<int>(n - 4 * std::floor(n / 4));
   return ((Wide(x) - product(n, kHalfPi.high)) - product(n, kHalfPi.low)) - n * kHalfPiRest;
 }
-struct Sides {
-  Wide sine, cosine;
-};
-Sides sides(double x) {
+constexpr int kTrigTerms = 14;
+/// sin(r) / r, where z = -r^2
+Wide sineOverAngle(const Wide& z) {
+  return nested<kTrigTerms>(z, [](int k) { return Wide(1) / ((2.0 * k + 2) * (2 * k + 3)); });
+}
+/// sin(x + n pi/2) for n = 0 and 1
+Wide sine(double x, int n) {
   // larger ones lose all digits
-  if (!(std::fabs(x) <= 1e15)) return {kNotANumber, kNotANumber};
+  if (!(std::fabs(x) <= 1e15)) return kNotANumber;
   int quarter = 0;
   const Wide r = quarterTurns(x, quarter), z = -(r * r);
-  constexpr int kTerms = 14;
-  const Wide s = r * nested(z, kTerms, [](int k) { return Wide(1) / (2.0 * k * (2 * k + 1)); });
-  const Wide c = nested(z, kTerms, [](int k) { return Wide(1) / (2.0 * k * (2 * k - 1)); });
-  const Sides turned[] = {{s, c}, {c, -s}, {-s, -c}, {-c, s}};
-  return turned[quarter];
+  quarter += n;
+  const Wide value = quarter % 2 == 0 ? r * sineOverAngle(z) : nested<kTrigTerms>(z, [](int k) {
+    return Wide(1) / ((2.0 * k + 2) * (2 * k + 1));
+  });
+  return quarter % 4 < 2 ? value : -value;
 }
 
 /// exp(r) - 1 for |r| below 0.36
 Wide smallExponential(const Wide& r) {
-  return r * nested(r, 24, [](int k) { return Wide(1) / (k + 1.0); });
+  return r * nested<24>(r, [](int k) { return Wide(1) / (k + 2.0); });
 }
 Wide exponential(const Wide& x) {
   if (x.high > 710) return kInfinity;
@@ -113,9 +131,7 @@ Wide logarithm(double x) {
   if (m < 0.7071) m *= 2, --exponent;
   // log m = 2 atanh((m - 1) / (m + 1))
   const Wide t = (Wide(m) - 1.0) / (Wide(m) + 1.0);
-  Wide series = 0;
-  for (int k = 22; k >= 0; --k) series = Wide(1) / (2.0 * k + 1) + t * t * series;
-  return kLog2 * static_cast<double>(exponent) + scaled(t * series, 1);
+  return kLog2 * static_cast<double>(exponent) + scaled(t * oddReciprocals<23>(t * t), 1);
 }
 
 /// Angle of (c, s), both at least zero and one above.
@@ -123,21 +139,16 @@ Wide quarterAngle(const Wide& s, const Wide& c) {
   if (c.high < s.high) return kHalfPi - quarterAngle(c, s);
   const auto half = [](const Wide& t) { return t / (Wide(1) + root(Wide(1) + t * t)); };
   const Wide t = half(half(s / c));
-  Wide series = 0;
-  for (int k = 24; k >= 0; --k) series = Wide(1) / (2.0 * k + 1) - t * t * series;
-  return scaled(t * series, 2);
+  return scaled(t * oddReciprocals<25>(-(t * t)), 2);
 }
 
 double withSign(double magnitude, double sign) { return std::copysign(magnitude, sign); }
 
 }  // namespace
 
-double sin(double x) { return x == 0 ? x : sides(x).sine.high; }
-double cos(double x) { return sides(x).cosine.high; }
-double tan(double x) {
-  const Sides a = sides(x);
-  return x == 0 ? x : (a.sine / a.cosine).high;
-}
+double sin(double x) { return x == 0 ? x : sine(x, 0).high; }
+double cos(double x) { return sine(x, 1).high; }
+double tan(double x) { return x == 0 ? x : (sine(x, 0) / sine(x, 1)).high; }
 
 double atan(double x) { return atan2(x, 1); }
 double atan2(double y, double x) {
@@ -193,10 +204,7 @@ double sinh(double x) {
   const double size = std::fabs(x);
   if (!(size < 700)) return withSign(exp(size - 1) * (exp(1) / 2), x);
   if (x == 0) return x;
-  if (size < 0.3) {
-    const Wide z = Wide(x) * x;
-    return (nested(z, 14, [](int k) { return Wide(1) / (2.0 * k * (2 * k + 1)); }) * x).high;
-  }
+  if (size < 0.3) return (sineOverAngle(Wide(x) * x) * x).high;
   const Wide e = exponential(size);
   return withSign(scaled(e - Wide(1) / e, -1).high, x);
 }

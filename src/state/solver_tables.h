@@ -1,5 +1,6 @@
 #pragma once
 /// Owner of the memory behind a SolverData. Each array has a capacity by its kind; growing keeps the content.
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -13,7 +14,9 @@ template <class Memory> class SolverTables {
   explicit SolverTables(Memory memory = {}) : SolverTables(std::in_place, std::move(memory)) {
     // complete from here on: what throws calls the destructor
     view_.counters = static_cast<Counters*>(memory_.allocate(sizeof(Counters)));
-    for (int per = 0; per < kPerCount; ++per) reserve(static_cast<Per>(per), 1);
+    std::ranges::fill(capacity_, 1);
+    forEachArray([&](const auto& array) { moveTo(1, array, 0); });
+    aliasRowsIn(view_.manifold);
   }
   ~SolverTables() {
     memory_.release(view_.counters);
@@ -41,13 +44,8 @@ template <class Memory> class SolverTables {
     const int grown = capacity > 1 ? count + count / 2 : count;
     // also where memory ends halfway: some arrays have moved by then, and all keep the old capacity
     const Realias realias{*this, rowsAlias(view_.oldManifold)};
-    forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-      if (array.per != per || array.aliases) return;
-      Array<T>& pointer = view_.*array.member;
-      T* const fresh = static_cast<T*>(memory_.allocate(bytesOf(array, grown)));
-      if (pointer) memory_.copy(fresh, pointer, bytesOf(array, capacity));
-      memory_.release(pointer);
-      pointer = arrayOf(fresh, sizeOf(array, grown));
+    forEachArray([&](const auto& array) {
+      if (array.per == per) moveTo(grown, array, capacity);
     });
     capacity = grown;
   }
@@ -90,6 +88,15 @@ template <class Memory> class SolverTables {
   static_assert(sizeof(ContactRows) <= sizeof(Manifold) && alignof(ContactRows) <= alignof(Manifold));
   bool rowsAlias(const Manifold* place) const {
     return place && static_cast<const void*>(view_.contact) == place;
+  }
+  /// Moves an array, which has room for `before` elements, to memory for `count`.
+  template <class T> void moveTo(int count, const ArrayInfo<T>& array, int before) {
+    if (array.aliases) return;
+    Array<T>& pointer = view_.*array.member;
+    T* const fresh = static_cast<T*>(memory_.allocate(bytesOf(array, count)));
+    if (pointer) memory_.copy(fresh, pointer, bytesOf(array, before));
+    memory_.release(pointer);
+    pointer = arrayOf(fresh, sizeOf(array, count));
   }
   void aliasRowsIn(Manifold* place) {
     view_.contact = arrayOf(reinterpret_cast<ContactRows*>(place),

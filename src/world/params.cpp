@@ -165,9 +165,10 @@ void setParam(Params& params, const std::string& name, double value) {
     f.field.set(params, value);
     return;
   }
+  const std::size_t limit = std::min(name.size(), std::max<std::size_t>(3, name.size() / 3));
   std::string near;
   for (const RangedField& f : ranges())
-    if (editDistance(name, f.field.name) < std::min(name.size(), std::max<std::size_t>(3, name.size() / 3)))
+    if (editDistance(name, f.field.name, limit) < limit)
       near += std::string(near.empty() ? "one of " : ", ") + f.field.name;
   throw Error("params", near.empty() ? "a parameter of 'rubble info params', such as iterations" : near,
               "\"" + name + "\"");

@@ -5,12 +5,19 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <span>
 #include <string>
 
 #include <rubble/math.h>
 
 namespace rubble::fuzz {
+
+/// From 0 to n - 1, by the sum of all bytes. What it chooses changes with every mutation, so that a fuzzer
+/// does not prefer a choice that reaches more and takes longer.
+inline unsigned lotOf(std::span<const std::uint8_t> bytes, unsigned n) {
+  return std::accumulate(bytes.begin(), bytes.end(), 0u) % n;
+}
 
 class ByteSource {
  public:

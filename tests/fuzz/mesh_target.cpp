@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kNames[] = {"mesh.obj", "mesh.stl", "mesh.ply", "mesh.msh"};
 /// Larger meshes are read, and no more.
-constexpr std::size_t kMostVertices = 100, kMostElements = 200;
+constexpr std::size_t kMostVertices = 40, kMostElements = 80;
 
 template <class F> void orError(F&& f) {
   try {
@@ -35,56 +35,42 @@ double extentOf(const std::vector<Vec3>& points) {
   return extent;
 }
 
-void step(const Scene& scene) {
-  WorldOptions options;
-  options.threads = 1;
-  World world(scene, options);
-  world.step();
-}
-
-void useAsShapes(const io::MeshFile& mesh) {
+/// Adds a ball and all that can be made of the mesh to one world, and takes a step.
+void useInWorld(const io::MeshFile& mesh) {
   const double extent = extentOf(mesh.vertices);
   BodyDef ball;
   ball.shape = Shape::sphere(std::clamp(.1 * extent, 1e-3, 1e3));
   ball.position = mesh.vertices.front();
-  orError([&] {
-    Scene scene;
-    scene.bodies = {ball, {}};
-    scene.bodies[1].motion = Motion::Static;
-    scene.bodies[1].shape = Shape::mesh(mesh.vertices, mesh.triangles);
-    step(scene);
+  WorldOptions options;
+  options.threads = 1;
+  options.timings = false;
+  World world({}, options);
+  world.addBody(ball);
+  const auto addShape = [&](Motion motion, const auto& make) {
+    orError([&] {
+      BodyDef body;
+      body.motion = motion;
+      body.shape = make();
+      world.addBody(body);
+    });
+  };
+  const auto addObject = [&](const auto& make) { orError([&] { world.addDeformable(make()); }); };
+  addShape(Motion::Static, [&] { return Shape::mesh(mesh.vertices, mesh.triangles); });
+  addShape(Motion::Dynamic, [&] { return Shape::hull(mesh.vertices); });
+  addObject([&] { return tetSolidFromMesh(io::tetrahedraOf(mesh)); });
+  addObject([&] { return clothFromMesh({mesh.vertices, mesh.triangles}); });
+  addObject([&] {
+    const std::vector<Vec3> line = io::lineOf(mesh, "line");
+    return cableAlong(line, .1 * extentOf(line));
   });
-  orError([&] {
-    Scene scene;
-    scene.bodies = {ball, {}};
-    scene.bodies[1].shape = Shape::hull(mesh.vertices);
-    step(scene);
-  });
+  world.step();
 }
 
-void useAsObjects(const io::MeshFile& mesh) {
-  orError([&] {
-    Scene scene;
-    scene.deformables = {tetSolidFromMesh(io::tetrahedraOf(mesh))};
-    step(scene);
-  });
-  orError([&] {
-    Scene scene;
-    scene.deformables = {clothFromMesh({mesh.vertices, mesh.triangles})};
-    step(scene);
-  });
-  orError([&] {
-    const std::vector<Vec3> line = io::lineOf(mesh, "line");
-    Scene scene;
-    scene.deformables = {cableAlong(line, .1 * extentOf(line))};
-    step(scene);
-  });
-  orError([&] {
-    const TriangleMesh surface{mesh.vertices, mesh.triangles};
-    const TetSolidDef solid = tetSolidFromSurface(surface, .3 * extentOf(mesh.vertices));
-    validate(Deformable(solid), "solid");
-    expectIndices(solid.tetrahedra, solid.vertices.size());
-  });
+void fill(const io::MeshFile& mesh) {
+  const TriangleMesh surface{mesh.vertices, mesh.triangles};
+  const TetSolidDef solid = tetSolidFromSurface(surface, .3 * extentOf(mesh.vertices));
+  validate(Deformable(solid), "solid");
+  expectIndices(solid.tetrahedra, solid.vertices.size());
 }
 
 }  // namespace
@@ -99,8 +85,8 @@ void testInput(std::span<const std::uint8_t> bytes) {
     expectIndices(mesh.tetrahedra, mesh.vertices.size());
     if (mesh.vertices.empty() || mesh.vertices.size() > kMostVertices) return;
     if (mesh.triangles.size() + mesh.tetrahedra.size() > kMostElements) return;
-    useAsShapes(mesh);
-    useAsObjects(mesh);
+    orError([&] { useInWorld(mesh); });
+    fill(mesh);
   });
 }
 

@@ -2,6 +2,7 @@
 /// of them, see Forged.
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -20,7 +21,7 @@ namespace {
 using namespace io;
 
 constexpr std::uint32_t kNames[] = {kHead, kBody, kFrames, kIndex};
-constexpr std::size_t kMostFrames = 256, kMostTriangles = 20000;
+constexpr std::size_t kMostFrames = 64, kMostTriangles = 20000;
 
 /// Chunks, each a byte for its name, two for its size, and its content; a name of kEnd ends them. What
 /// follows is the index: three bytes for each entry (chunk of frames, chunk of bodies, count), or, with
@@ -76,14 +77,17 @@ class Forged {
 void readAll(const std::string& file) {
   RecordingReader reader(file);
   const int frames = std::min(reader.frameCount(), static_cast<int>(kMostFrames));
+  const std::vector<int> changes = reader.changes();
   for (int i = 0; i < frames; ++i) {
     const RecordedFrame frame = reader.frame(i);
     expect(frame.poses.size() == reader.bodies(i).size(), "a frame has another number of poses than bodies");
     std::size_t vertices = 0;
     for (const RecordedSoft& soft : reader.softs(i)) vertices += static_cast<std::size_t>(soft.vertices);
     expect(frame.vertices.size() == vertices, "a frame has another number of vertices than its objects");
+    const std::vector<PictureBody> pictures = pictureBodies(reader, i);
+    if (!std::ranges::binary_search(changes, i)) continue;
     recordingResolution(reader.bodies(i), reader.softs(i));
-    for (const PictureBody& body : pictureBodies(reader, i)) {
+    for (const PictureBody& body : pictures) {
       const auto& geometry = body.shape.geometry;
       if (!geometry || geometry->samples.size() < kMostTriangles) shapeMesh(body.shape, 4);
     }

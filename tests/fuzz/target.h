@@ -10,6 +10,9 @@ namespace rubble::fuzz {
 
 /// Tests one input. An Error of the engine is a correct answer; anything else ends the process.
 void testInput(std::span<const std::uint8_t> bytes);
+/// A replay: a program is run at every length that the target may choose, with all its claims. A fuzzer
+/// mostly runs short ones with few.
+bool isReplay();
 
 /// Ends the process: a claim about the engine does not hold.
 [[noreturn]] inline void fail(const std::string& claim) {

@@ -9,14 +9,21 @@
 
 namespace rubble::fuzz {
 
+/// How a script is run.
+struct ScriptOptions {
+  std::string backend = "cpu";
+  int threads = 1;
+  int mostCommands = 12, mostSteps = 4;
+};
+
 /// Runs a script. The same bytes give the same commands, whatever the number of threads.
 class WorldScript {
  public:
-  WorldScript(std::span<const std::uint8_t> bytes, const std::string& backend, int threads);
+  WorldScript(ByteSource bytes, const ScriptOptions& options);
 
   /// Runs all commands. Ends the process where a claim about the world does not hold.
   void run();
-  /// One number for each command: a fingerprint of the world behind it.
+  /// World::hash() behind each command, and a fingerprint of all that is seen of the world at the end.
   const std::vector<std::uint64_t>& trace() const { return trace_; }
   /// The Errors that commands gave, by their number.
   const std::vector<std::string>& errors() const { return errors_; }
@@ -68,7 +75,8 @@ class WorldScript {
   void expectFinite();
 
   ByteSource in_;
-  WorldOptions options_;
+  ScriptOptions options_;
+  WorldOptions worldOptions_;
   World world_;
   Alive alive_;
   std::vector<Memory> memories_;

@@ -1,6 +1,7 @@
 /// Aggregates of the coarse correction: which nodes are roots, and how many slices an aggregate has.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 #include "stages/coarse/aggregates.h"
@@ -47,6 +48,23 @@ TEST(Aggregates, HaveNoMoreSlicesThanTheirNodesFill) {
     NumberAggregates{}(nodes.view, 0);
     EXPECT_LT((nodes.slices[0] - 1) * kSliceNodes, count) << count;
     EXPECT_GE(nodes.slices[0] * kSliceNodes, count);
+  }
+}
+
+// Two points have no size, and gravity may be so large that the square of a time step is nothing beside it.
+TEST(Aggregates, CellsWithoutBoundAreShared) {
+  BodyParams params[2] = {};
+  Vec3d position[2] = {{0, 0, 0}, {1000, 2000, 3000}};
+  StepConstants step{};
+  SolverData view{};
+  view.bodies = 2, view.params = params, view.position = position, view.step = &step;
+  step.perFall = 360;
+  EXPECT_EQ(finestSharedLevel(view, 0, 1), 0);
+  params[0].radius = Real(0.01);
+  EXPECT_EQ(finestSharedLevel(view, 0, 1), kCoarseLevels);
+  for (const double perFall : {0., std::numeric_limits<double>::infinity()}) {
+    step.perFall = perFall;
+    EXPECT_EQ(finestSharedLevel(view, 0, 1), 0) << perFall;
   }
 }
 

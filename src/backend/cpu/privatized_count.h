@@ -1,6 +1,9 @@
 #pragma once
 /// Kernels in which all elements increment the same few counters. Each task counts its range privately and
 /// then adds the sums to the shared counters, which avoids contention.
+#include <algorithm>
+#include <iterator>
+
 #include "stages/bodies/coloring.h"
 #include "stages/contacts/contacts.h"
 
@@ -73,18 +76,35 @@ template <> struct InParts<FillVertexColors> {
 };
 
 /// Nearly every pair of a pile counts its contacts.
-template <class Kernel> struct ManifoldsInParts {
-  static void run(const SolverData& s, const Kernel&, int begin, int end) {
+template <> struct InParts<TestPairs> {
+  static void run(const SolverData& s, const TestPairs&, int begin, int end) {
     ManifoldCount sum;
-    for (int i = begin; i < end; ++i) {
-      const ManifoldCount own = Kernel::take(s, i);
-      sum.contacts += own.contacts, sum.recycled += own.recycled;
-    }
+    for (int i = begin; i < end; ++i) sum += TestPairs::take(s, i);
     addToCounters(s, sum);
   }
 };
-template <class L> struct InParts<RecycleManifolds<L>> : ManifoldsInParts<RecycleManifolds<L>> {};
-template <> struct InParts<TestPairs> : ManifoldsInParts<TestPairs> {};
+/// In a smash most pairs are appended to `tested`.
+template <class L> struct InParts<RecycleManifolds<L>> {
+  static void run(const SolverData& s, const RecycleManifolds<L>&, int begin, int end) {
+    ManifoldCount sum;
+    int tested[256], count = 0;
+    const auto append = [&] {
+      if (count > 0) std::copy_n(tested, count, &s.tested[atomicCount(&s.counters->tested, count)]);
+      count = 0;
+    };
+    for (int i = begin; i < end; ++i) {
+      ManifoldCount own;
+      if (RecycleManifolds<L>::reuses(s, i, own)) {
+        sum += own;
+        continue;
+      }
+      if (count == static_cast<int>(std::size(tested))) append();
+      tested[count++] = i;
+    }
+    append();
+    addToCounters(s, sum);
+  }
+};
 
 /// Nodes with consecutive indices often have the same root.
 template <> struct InParts<FlattenAggregates> {

@@ -3,6 +3,8 @@
 /// boundary. Cell edges are the free-fall distance per step, g dt^2, times a power of two, and are the same
 /// in all worlds. A scene that is scaled in length and time alike is therefore partitioned at the same
 /// places.
+#include <limits>
+
 #include "stages/coarse/nodes.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -29,7 +31,10 @@ RUBBLE_HD inline int finestSharedLevel(const SolverData& s, int a, int b) {
   const Vec3d at = placeOf(s, a), bt = placeOf(s, b);
   const StepConstants& step = s.step[worldOfNode(s, a)];
   const double larger = static_cast<double>(max(radiusOf(s, a), radiusOf(s, b)));
-  const int finest = std::ilogb(kHalfDoubling * kFinestCell * larger * step.perFall);
+  const double edge = kHalfDoubling * kFinestCell * larger * step.perFall;
+  // of two points, or where free fall has no bound: all nodes share cells without bound
+  if (!(edge > 0 && edge <= std::numeric_limits<double>::max())) return 0;
+  const int finest = std::ilogb(edge);
   int level = 0;
   while (level < kCoarseLevels && !shareCell(step, at, bt, finest + level * kCellDoublings)) ++level;
   return level;

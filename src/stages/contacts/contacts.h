@@ -25,6 +25,10 @@ RUBBLE_HD inline const Manifold* manifoldBefore(const SolverData& s, int i) {
 /// What manifolds add to the counters of a step.
 struct ManifoldCount {
   int contacts = 0, recycled = 0;
+  RUBBLE_HD ManifoldCount& operator+=(const ManifoldCount& a) {
+    contacts += a.contacts, recycled += a.recycled;
+    return *this;
+  }
 };
 RUBBLE_HD inline void addToCounters(const SolverData& s, const ManifoldCount& count) {
   if (count.contacts > 0) atomicCount(&s.counters->contacts, count.contacts);
@@ -73,18 +77,25 @@ RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, cons
 /// other pairs are appended to `tested`.
 template <class L> struct RecycleManifolds {
   static constexpr const char* kStage = "narrow";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const { addToCounters(s, take(s, i)); }
-  RUBBLE_HD static ManifoldCount take(const SolverData& s, int i) {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    ManifoldCount count;
+    if (!reuses(s, i, count)) s.tested[atomicCount(&s.counters->tested, 1)] = i;
+    addToCounters(s, count);
+  }
+  /// Is the previous manifold of pair i good enough? Then stores it; `count` gets what it adds to the
+  /// counters.
+  RUBBLE_HD static bool reuses(const SolverData& s, int i, ManifoldCount& count) {
     const int pair = s.activePair[i];
     const Pair p = s.pair[pair];
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
     const Manifold* const old = manifoldBefore(s, i);
-    if (keepAsleep(s, i, p, old)) return {};
-    if (old && mayRecycle(s, o) && recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance))
-      return keepManifold(s, i, o, pose, recycledManifold<L>(*old, pose));
-    s.tested[atomicCount(&s.counters->tested, 1)] = i;
-    return {};
+    if (keepAsleep(s, i, p, old)) return true;
+    if (!old || !mayRecycle(s, o) ||
+        !recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance))
+      return false;
+    count = keepManifold(s, i, o, pose, recycledManifold<L>(*old, pose));
+    return true;
   }
 };
 
