@@ -313,7 +313,7 @@ RUBBLE_HD inline bool notePoint(const SolverData& s, const Manifold& m, const Pa
                                 const ContactRows& r, int k, Real depth, Real closing) {
   const StepConstants& c = s.stepOf(p.bodies.a);
   if (depth > c.contactMargin * r.length) notePressed(s, p.bodies, depth);
-  if ((m.activePoints >> k & 1) && r.restitution > Real(0) && s.counters->bounces == 0 &&
+  if ((m.activePoints >> k & 1) && r.restitution > Real(0) && atomicLoad(&s.counters->bounces) == 0 &&
       isImpact(c, closing, r.length))
     atomicRaise(&s.counters->bounces, 1);
   return hits(c, closing, depth, r.length) && c.impactRule;
