@@ -2,7 +2,6 @@
 /// Kernels in which all elements increment the same few counters. Each task counts its range privately and
 /// then adds the sums to the shared counters, which avoids contention.
 #include <algorithm>
-#include <iterator>
 
 #include "stages/bodies/coloring.h"
 #include "stages/contacts/contacts.h"
@@ -83,11 +82,12 @@ template <> struct InParts<TestPairs> {
     addToCounters(s, sum);
   }
 };
-/// In a smash most pairs are appended to `tested`.
+/// In a smash most pairs are appended to `tested`: so many at once, which fill 1 KB of the stack.
+inline constexpr int kAppended = 256;
 template <class L> struct InParts<RecycleManifolds<L>> {
   static void run(const SolverData& s, const RecycleManifolds<L>&, int begin, int end) {
     ManifoldCount sum;
-    int tested[256], count = 0;
+    int tested[kAppended], count = 0;
     const auto append = [&] {
       if (count > 0) std::copy_n(tested, count, &s.tested[atomicCount(&s.counters->tested, count)]);
       count = 0;
@@ -98,7 +98,7 @@ template <class L> struct InParts<RecycleManifolds<L>> {
         sum += own;
         continue;
       }
-      if (count == static_cast<int>(std::size(tested))) append();
+      if (count == kAppended) append();
       tested[count++] = i;
     }
     append();
