@@ -80,8 +80,17 @@ class BodyBuilder {
     }
   }
 
+  /// A name that no other body has and that scene files take: "world" is the world itself there, in whose
+  /// place stands `instead`, and a final '*' stands for a prefix.
+  std::string freeName(std::string name, const std::string& instead) {
+    if (name == "world") name = instead;
+    if (name.ends_with('*')) name.back() = '_';
+    return names_.unique(name);
+  }
+
   void addMoving(int root) {
     const Link& own = link(root);
+    const std::string name = freeName(nameOf(root), "world_body");
     SolidSums sums;
     Parts colliding, visual;
     std::vector<Contact> contacts;
@@ -96,10 +105,10 @@ class BodyBuilder {
         report_.note(Effect::Approximate, each.place, "body.gravcomp",
                      "bodies fixed to one another take that of the first one");
       report_.converted(each.place, "link" + inQuotes(nameOf(member)),
-                        (member == root ? "body" : "part of body") + inQuotes(nameOf(root)));
+                        (member == root ? "body" : "part of body") + inQuotes(name));
     }
     BodyDef body;
-    body.name = names_.unique(nameOf(root) == "world" ? "world_body" : nameOf(root));
+    body.name = name;
     body.motion = own.kinematic ? Motion::Kinematic : Motion::Dynamic;
     const Pose& pose = layout_.inWorld[static_cast<std::size_t>(root)];
     body.position = pose.p, body.orientation = pose.q;
@@ -166,9 +175,7 @@ class BodyBuilder {
       }
       BodyDef body;
       body.motion = Motion::Static;
-      // "world" names the world itself in scenes
-      const std::string name = !geom.name.empty() ? geom.name : nameOf(i);
-      body.name = names_.unique(name == "world" ? keyword(geom.shape.type) : name);
+      body.name = freeName(!geom.name.empty() ? geom.name : nameOf(i), keyword(geom.shape.type));
       body.shape = geom.shape;
       body.material = geom.material;
       const Pose at = layout_.inWorld[static_cast<std::size_t>(i)] * geom.pose;

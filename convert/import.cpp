@@ -64,6 +64,8 @@ Import finished(const Model& model, Report report) {
   addCameras(model, out.file);
   out.file.appearance.daylight.toSun = model.toSun;
   validate(out.file.scene);
+  for (std::size_t i = 0; i < out.file.actuators.size(); ++i)
+    validate(out.file.actuators[i], "actuators[" + std::to_string(i) + "]");
   return out;
 }
 

@@ -232,7 +232,7 @@ void MjcfReader::addToCoordinate(const Tag& tag, const MjcfTarget& target, Model
     actuator.maxForce = std::max(std::min(largest, most / std::fabs(gear)), actuator.minForce);
   }
   const bool isMuscle = actuator.type == ActuatorType::Muscle;
-  if (isMuscle || gain.y != 0 || gain.z != 0 || bias.y > 0 || bias.z > 0)
+  if (isMuscle || square == 0 || gain.y != 0 || gain.z != 0 || bias.y > 0 || bias.z > 0)
     return report_.converted(own.place, own.what, (isMuscle ? "muscle of " : "force of ") + target.what);
   if (bias.y == 0 && bias.z == 0) {
     const double force = std::clamp(gain.x * input + bias.x, actuator.minForce, actuator.maxForce);

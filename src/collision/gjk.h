@@ -162,7 +162,7 @@ RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, c
     Vec3 next{0, 0, 0};
     for (int k = 0; k < s.count; ++k) next += s.w[k] * s.weight[k];
     const Real next2 = dot(next, next);
-    if (!(next2 > Real(0))) return out;
+    if (!(next2 >= kLeastSquare<Real>)) return out;
     if (next2 >= v2) {
       // no progress because of round-off
       s = before;

@@ -1,6 +1,8 @@
 #include "platform/threads.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <exception>
 #include <mutex>
 #include <utility>
@@ -29,6 +31,17 @@ template <class T> struct Current {
 };
 const TaskSystem* hostTasks() { return currentOf<const TaskSystem>(); }
 
+/// Threads that the loops of this thread run on, or tasks of the host.
+int threadsHere() {
+  if (const TaskSystem* const host = hostTasks()) return host->parts;
+#if defined(RUBBLE_HAS_TBB)
+  return tbb::this_task_arena::max_concurrency();
+#else
+  const Team* const team = currentOf<Team>();
+  return team ? team->threads() : 1;
+#endif
+}
+
 /// Calls f(k) for k = 0 .. n - 1 on tasks of the host, which do not throw: the exception of the lowest k is
 /// thrown when all have returned.
 void forEachHostTask(const TaskSystem& host, int n, FunctionRef<void(std::size_t)> f) {
@@ -51,11 +64,6 @@ void forEachHostTask(const TaskSystem& host, int n, FunctionRef<void(std::size_t
   if (loop.failure) std::rethrow_exception(loop.failure);
 }
 
-/// A long loop has this many ranges for each thread: cores are seldom equally fast, and those that are done
-/// early take what others have left. A short one has a range for each, because to take a range of less than
-/// so many elements from another thread costs more than it saves.
-constexpr int kTurns = 4, kWorthTaking = 32;
-
 /// f(begin, end) for `parts` ranges of the same size.
 template <class N> void forEachOf(N parts, N n, FunctionRef<void(N, N)> f) {
   if (parts == 1) return f(N{0}, n);
@@ -64,6 +72,49 @@ template <class N> void forEachOf(N parts, N n, FunctionRef<void(N, N)> f) {
   };
   forEachTask(static_cast<std::size_t>(parts), [&](std::size_t k) { f(at(k), at(k + 1)); });
 }
+
+/// [0, n) in shares of the same size, each of them in up to kTurns ranges of at least `grain`. A thread takes
+/// the ranges of its own share, which is the same one in every loop over so many elements, and then what
+/// others have left: cores are seldom equally fast, and what a thread wrote in one loop mostly lies in its
+/// own cache in the next.
+class Shares {
+ public:
+  /// `most`: shares, one per thread.
+  Shares(int n, int most, int grain, FunctionRef<void(int, int)> f)
+      : n_(n),
+        count_(std::clamp(n / grain, 1, std::min(most, kMost))),
+        turns_(std::clamp(n / (count_ * grain), 1, kTurns)),
+        f_(f) {
+    for (int k = 0; k < count_; ++k) taken_[static_cast<std::size_t>(k)].ranges = 0;
+  }
+  int count() const { return count_; }
+
+  /// Takes ranges until none is left, those of share `first` before others.
+  void takeFrom(int first) {
+    for (int k = 0; k < count_; ++k) {
+      const int share = (first + k) % count_;
+      const std::atomic_ref taken(taken_[static_cast<std::size_t>(share)].ranges);
+      while (taken.load(std::memory_order_relaxed) < turns_) {
+        const int turn = taken.fetch_add(1, std::memory_order_relaxed);
+        if (turn < turns_) f_(at(share * turns_ + turn), at(share * turns_ + turn + 1));
+      }
+    }
+  }
+
+ private:
+  static constexpr int kMost = 256, kTurns = 8;
+  struct alignas(64) Taken {
+    int ranges;
+  };
+
+  int at(int range) const {
+    return static_cast<int>(static_cast<std::int64_t>(n_) * range / (count_ * turns_));
+  }
+
+  const int n_, count_, turns_;
+  const FunctionRef<void(int, int)> f_;
+  std::array<Taken, kMost> taken_;  // of the first `count`, each in a cache line of its own
+};
 
 }  // namespace
 
@@ -119,38 +170,27 @@ void forEachTask(std::size_t n, FunctionRef<void(std::size_t)> f) {
 
 void forEachShare(int n, int grain, FunctionRef<void(int, int)> f) {
   if (n <= 0) return;
-  if (const TaskSystem* const host = hostTasks())
-    return forEachOf(std::clamp(n / grain, 1, host->parts), n, f);
+  Shares shares(n, threadsHere(), grain, f);
+  if (shares.count() == 1) return f(0, n);
 #if defined(RUBBLE_HAS_TBB)
-  const auto body = [&](const tbb::blocked_range<int>& range) { f(range.begin(), range.end()); };
-  const int threads = tbb::this_task_arena::max_concurrency();
-  if (const int size = n / (kTurns * threads); size >= kWorthTaking)
-    tbb::parallel_for(tbb::blocked_range<int>(0, n, static_cast<std::size_t>(size)), body,
-                      tbb::simple_partitioner{});
-  else
-    tbb::parallel_for(tbb::blocked_range<int>(0, n, static_cast<std::size_t>(grain)), body,
-                      tbb::static_partitioner{});
-#else
-  const Team* const team = currentOf<Team>();
-  const int threads = team ? team->threads() : 1;
-  forEachOf(n / (kTurns * threads) >= kWorthTaking ? kTurns * threads : std::clamp(n / grain, 1, threads), n,
-            f);
+  const auto take = [&](const auto&) { shares.takeFrom(tbb::this_task_arena::current_thread_index()); };
+  if (!hostTasks())
+    return tbb::parallel_for(tbb::blocked_range<int>(0, shares.count(), 1), take, tbb::static_partitioner{});
 #endif
+  forEachTask(static_cast<std::size_t>(shares.count()),
+              [&](std::size_t k) { shares.takeFrom(static_cast<int>(k)); });
 }
 
 void forEachRange(std::size_t n, std::size_t grain, FunctionRef<void(std::size_t, std::size_t)> f) {
   if (n == 0) return;
-  if (const TaskSystem* const host = hostTasks())
-    return forEachOf(std::clamp(n / grain, std::size_t{1}, static_cast<std::size_t>(host->parts)), n, f);
 #if defined(RUBBLE_HAS_TBB)
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
-                    [&](const tbb::blocked_range<std::size_t>& range) { f(range.begin(), range.end()); });
-#else
-  // a few ranges for each thread balance them
-  const Team* const team = currentOf<Team>();
-  const std::size_t most = team ? 8 * static_cast<std::size_t>(team->threads()) : 1;
-  forEachOf(std::clamp(n / grain, std::size_t{1}, most), n, f);
+  if (!hostTasks())
+    return tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
+                             [&](const auto& range) { f(range.begin(), range.end()); });
 #endif
+  // a few ranges for each thread balance them
+  const std::size_t most = static_cast<std::size_t>(threadsHere() * (hostTasks() ? 1 : 8));
+  forEachOf(std::clamp(n / grain, std::size_t{1}, most), n, f);
 }
 
 void sortOnThreads(std::span<int> numbers, const std::uint64_t* key) {

@@ -57,8 +57,8 @@ void withTasks(const TaskSystem& tasks, FunctionRef<void()> f);
 /// Calls f(k) for k = 0 .. n - 1, each a task of its own.
 void forEachTask(std::size_t n, FunctionRef<void(std::size_t)> f);
 
-/// Calls f(begin, end) for ranges that make up [0, n): about as many as there are threads, or a few for each
-/// of them if n is large. None is below `grain` unless it is the only one.
+/// Calls f(begin, end) for ranges that make up [0, n), up to 8 a thread: the same ones in every such loop, as
+/// far as threads keep pace. None is below `grain` unless it is the only one.
 void forEachShare(int n, int grain, FunctionRef<void(int, int)> f);
 
 /// Calls f(begin, end) for ranges that make up [0, n), of `grain` and more: threads that are done early take

@@ -58,6 +58,34 @@ TEST(Determinism, RandomWorldsHaveTheSameBitsWithLoopsThatRunBackward) {
   }
 }
 
+TEST(Determinism, RandomWorldsHaveTheSameBitsAtAnyNumberOfThreads) {
+  for (std::uint64_t seed = 100; seed < 140; ++seed) {
+    const Scene scene = test::randomWorld(seed);
+    World one(scene, test::worldsOptions("cpu", 1)), five(scene, test::worldsOptions("cpu", 5));
+    test::run(one, 20), test::run(five, 20);
+    ASSERT_EQ(five.hash(), one.hash()) << seed;
+  }
+}
+
+/// Boxes in a trough whose floor and walls are each 0.2 m inside of them: three pairs flag the same box.
+TEST(Determinism, BodiesPressedByThreeWallsHaveTheSameBitsAtAnyNumberOfThreads) {
+  Scene scene;
+  const auto add = [&](const Vec3& half, const Vec3& position, Motion motion) {
+    BodyDef& body = scene.bodies.emplace_back();
+    body.shape = Shape::box(half), body.position = position, body.motion = motion;
+  };
+  add({100, 1, 1}, {0, 0, -1.3}, Motion::Static);
+  for (const double side : {-1.3, 1.3}) add({100, 1, 2}, {0, side, 0}, Motion::Static);
+  for (int k = 0; k < 63; ++k) add({.5, .5, .5}, {1.1 * k - 34, 0, 0}, Motion::Dynamic);
+  const auto hashAt = [&](int threads) {
+    World world(scene, test::options(4, "cpu", threads));
+    test::run(world, 10);
+    return world.hash();
+  };
+  const std::uint64_t one = hashAt(1);
+  for (const int threads : {2, 5, 7}) EXPECT_EQ(hashAt(threads), one) << threads;
+}
+
 TEST(Determinism, TheReferenceHasTheSameBitsAtAnyNumberOfThreads) {
   EXPECT_EQ(hashes(3, "reference"), hashes(1, "reference"));
 }

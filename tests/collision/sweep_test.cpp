@@ -84,6 +84,32 @@ TEST(SurfaceContacts, MergePointsAtOneSpotAndKeepTheDeepest) {
   EXPECT_EQ(found.cluster[0].points.v[1].from, 4);
 }
 
+/// Triangles whose corners have coordinates of all magnitudes, about the center of a ball.
+TEST(SurfaceContacts, NormalsAreUnitVectorsHoweverSmallTheTriangle) {
+  Random random(22);
+  const Convex ball = convexOf({}, sphere(.2));
+  const Quat still;
+  int touching = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const auto coordinate = [&] {
+      const double sign = random.uniform(-1, 1);
+      const int power = random.below(1100);
+      return random.below(2) == 0 ? 0. : std::ldexp(sign, -power);
+    };
+    SurfaceTriangle t{{}, ~0, 0, {}};
+    for (Vec3& corner : t.corner)
+      for (int k = 0; k < 3; ++k) corner[k] = coordinate();
+    std::copy(t.corner, t.corner + 3, t.beyond);
+    SurfaceContacts found;
+    found.length = .4;
+    found.weight = {};
+    surface::addTriangle(t, true, ball, still, rotationMatrix(still), .02, found);
+    for (int k = 0; k < found.count; ++k) ASSERT_NEAR(lengthSquared(found.cluster[k].n), 1, 1e-6) << i;
+    touching += found.count;
+  }
+  EXPECT_GT(touching, 1000);
+}
+
 /// A height field of 7 x 7 flat cells, and paths of boxes over it in all directions.
 TEST(TrianglesAlongAPath, AreAllThatTheBoxMeets) {
   constexpr int kCount = 8;

@@ -283,6 +283,31 @@ TEST(Actuators, GeomsOfTheWorldWithoutNamesGiveAValidScene) {
   EXPECT_TRUE(faults.empty()) << io::faultText("scene", faults);
 }
 
+TEST(Actuators, ThoseOfGearZeroStayAndDoNothing) {
+  for (const char* const gear : {"0", "-0", "1e-200"}) {
+    const Import model = importText(
+        mjcf("<body><joint name='j' axis='0 0 1'/><geom size='1'/></body>",
+             std::string("<actuator><position name='p' joint='j' kp='10' kv='2' gear='") + gear +
+                 "'/><velocity name='v' joint='j' kv='3' gear='" + gear + "'/></actuator>"));
+    World world(model.file.scene);
+    Actuators actuators(model.file.actuators, world);
+    std::ranges::fill(actuators.controls(), 1.);
+    for (int step = 0; step < 20; ++step) actuators.apply(world), world.step();
+    EXPECT_EQ(world.state(world.bodies().front()).angularVelocity, Vec3{}) << gear;
+  }
+}
+
+TEST(Actuators, NamesThatSceneFilesRefuseAreOthers) {
+  const std::string ball = "<freejoint/><geom size='.1'/>";
+  const Import model = importText(mjcf("<body name='foot*'>" + ball +
+                                       "</body><body name='foot_' pos='1 0 0'>" + ball +
+                                       "</body><geom name='*' type='plane' size='1 1 1'/>"));
+  std::vector<io::Fault> faults;
+  io::parseScene(io::toJson(model.file), faults);
+  EXPECT_TRUE(faults.empty()) << io::faultText("scene", faults);
+  for (const char* const name : {"foot_", "foot__2", "_"}) bodyNamed(model, name);
+}
+
 /// Boxes of random sizes and places: the primitive that is fitted to one has its inertia, or sizes in the
 /// proportion of its edges.
 TEST(Actuators, PrimitivesThatAreFittedToAMeshHaveItsBox) {

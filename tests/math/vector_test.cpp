@@ -30,9 +30,21 @@ TEST(Vector, AgreesWithEigen) {
   }
 }
 
-TEST(Vector, NormalizeFallsBackOnlyAtZero) {
+template <class R> void expectUnitOrFallback(int smallest) {
+  const Vec3T<R> fallback{1, 0, 0}, a{0, R(-.75), R(1)};
+  for (int power = 0; power > smallest; --power) {
+    const Vec3T<R> n = normalize(a * std::ldexp(R(1), power), fallback);
+    if (2 * power > smallest)
+      EXPECT_EQ(n, normalize(a, fallback)) << power;
+    else
+      EXPECT_EQ(n, fallback) << power;
+  }
+}
+
+TEST(Vector, NormalizeGivesAUnitVectorOrFallsBackWhereASquareLosesBits) {
   EXPECT_EQ(normalize(Vec3{}, Vec3{1, 0, 0}), (Vec3{1, 0, 0}));
-  EXPECT_TRUE(test::near(normalize(Vec3{0, -3e-150, 4e-150}, Vec3{1, 0, 0}), Vec3{0, -.6, .8}, 1e-12));
+  expectUnitOrFallback<float>(-127);
+  expectUnitOrFallback<double>(-1023);
 }
 
 TEST(Quaternion, ProductAndRotationAgreeWithEigen) {

@@ -165,7 +165,7 @@ RUBBLE_HD inline void notePressed(const SolverData& s, const OrderedPair& o, Rea
   const bool moves = pa.kind == BodyKind::Dynamic;
   if (moves == (pb.kind == BodyKind::Dynamic)) return;
   if (depth > kPressedDepth * innerRadiusOf(s.shapeTables(), (moves ? pa : pb).shape))
-    s.fast[moves ? o.a : o.b] = 1;
+    atomicRaise(&s.fast[moves ? o.a : o.b], 1);
 }
 
 /// Least displacement that counts as slip, as a share of the displacement over which friction reaches its
