@@ -8,6 +8,8 @@
 /// then s(n') >= d - tau + s(n) > s(n), so n' is better and is tried next. A fixed point is a local maximum
 /// of s, the least penetration. Distances are thus only computed for separated cores, where they are well
 /// conditioned.
+#include <limits>
+
 #include "collision/distance.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -145,7 +147,7 @@ RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, c
                                        Real size = 1) {
   simplices::Simplex s;
   Vec3 v = guess;
-  Real v2 = Real(1e30);
+  Real v2 = std::numeric_limits<Real>::infinity();
   Real reach = 0;  // support of the last search direction, times |v|
   Nearest out{guess, 0, {0, 0, 0}, {0, 0, 0}, 0};
   for (int step = 0; step < kMaxGjkSteps; ++step) {
@@ -164,7 +166,8 @@ RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, c
     const Real next2 = dot(next, next);
     if (!(next2 >= kLeastSquare<Real>)) return out;
     if (next2 >= v2) {
-      // no progress because of round-off
+      // no progress because of round-off, or a first point too far away for a square
+      if (step == 0) return out;
       s = before;
       --s.count;
       break;

@@ -73,10 +73,10 @@ template <class N> void forEachOf(N parts, N n, FunctionRef<void(N, N)> f) {
   forEachTask(static_cast<std::size_t>(parts), [&](std::size_t k) { f(at(k), at(k + 1)); });
 }
 
-/// [0, n) in shares of the same size, each of them in up to kTurns ranges of at least `grain`. A thread takes
+/// [0, n) in shares of about the same size, each of them in up to kTurns ranges. A thread takes
 /// the ranges of its own share, which is the same one in every loop over so many elements, and then what
 /// others have left: cores are seldom equally fast, and what a thread wrote in one loop mostly lies in its
-/// own cache in the next.
+/// own cache in the next. Ranges begin where kernels that take four elements at a time begin anew.
 class Shares {
  public:
   /// `most`: shares, one per thread.
@@ -108,7 +108,8 @@ class Shares {
   };
 
   int at(int range) const {
-    return static_cast<int>(static_cast<std::int64_t>(n_) * range / (count_ * turns_));
+    const std::int64_t fours = (std::int64_t{n_} + 3) / 4;
+    return static_cast<int>(std::min<std::int64_t>(n_, fours * range / (count_ * turns_) * 4));
   }
 
   const int n_, count_, turns_;

@@ -57,8 +57,8 @@ void withTasks(const TaskSystem& tasks, FunctionRef<void()> f);
 /// Calls f(k) for k = 0 .. n - 1, each a task of its own.
 void forEachTask(std::size_t n, FunctionRef<void(std::size_t)> f);
 
-/// Calls f(begin, end) for ranges that make up [0, n), up to 8 a thread: the same ones in every such loop, as
-/// far as threads keep pace. None is below `grain` unless it is the only one.
+/// Calls f(begin, end) for ranges that make up [0, n), the same ones in each loop as far as threads keep
+/// pace. They begin at multiples of 4. None is below `grain`, a multiple of 4 too, unless it is the only one.
 void forEachShare(int n, int grain, FunctionRef<void(int, int)> f);
 
 /// Calls f(begin, end) for ranges that make up [0, n), of `grain` and more: threads that are done early take
