@@ -1,6 +1,9 @@
 /// Loops over threads of the library and over tasks of a host.
+#include <algorithm>
 #include <atomic>
+#include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
