@@ -232,6 +232,7 @@ void MjcfReader::addToCoordinate(const Tag& tag, const MjcfTarget& target, Model
     actuator.maxForce = std::max(std::min(largest, most / std::fabs(gear)), actuator.minForce);
   }
   const bool isMuscle = actuator.type == ActuatorType::Muscle;
+  // of gear 0 a drive would have no stiffness, over which its gain is taken
   if (isMuscle || square == 0 || gain.y != 0 || gain.z != 0 || bias.y > 0 || bias.z > 0)
     return report_.converted(own.place, own.what, (isMuscle ? "muscle of " : "force of ") + target.what);
   if (bias.y == 0 && bias.z == 0) {

@@ -3,6 +3,7 @@
 /// Conventions: right-handed frames, Hamilton quaternions with the scalar first, rotation body -> world, SI
 /// units.
 #include <cmath>
+#include <limits>
 
 #include <rubble/compiler.h>
 
@@ -56,7 +57,7 @@ template <class R> RUBBLE_HD inline Vec3T<R> abs(const Vec3T<R>& a) {
 }
 /// Least |a|^2 whose root has all bits of R: smaller numbers are denormal and have few (|a| = 1.1e-19 for
 /// float, 1.5e-154 for double).
-template <class R> inline constexpr R kLeastSquare = sizeof(R) == 4 ? R(0x1p-126) : R(0x1p-1022);
+template <class R> inline constexpr R kLeastSquare = std::numeric_limits<R>::min();
 /// a / |a|, or `fallback` if |a|^2 is below kLeastSquare.
 template <class R>
 RUBBLE_HD inline Vec3T<R> normalize(const Vec3T<R>& a, const Vec3T<R>& fallback = {R(0), R(0), R(1)}) {

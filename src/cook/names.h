@@ -17,7 +17,8 @@ inline std::size_t editDistance(std::string_view a, std::string_view b, std::siz
   for (std::size_t i = 1; i <= a.size(); ++i) {
     // what lies further from the diagonal is above `most`
     const std::size_t first = i > most ? i - most : 1, last = std::min(b.size(), i + most);
-    std::size_t diagonal = std::exchange(row[first - 1], first == 1 ? i : most + 1), least = row[first - 1];
+    std::size_t diagonal = std::exchange(row[first - 1], first == 1 ? i : most + 1);
+    std::size_t least = row[first - 1];
     for (std::size_t j = first; j <= last; ++j) {
       const std::size_t above = row[j];
       row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0u : 1u)});

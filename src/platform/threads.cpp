@@ -73,10 +73,10 @@ template <class N> void forEachOf(N parts, N n, FunctionRef<void(N, N)> f) {
   forEachTask(static_cast<std::size_t>(parts), [&](std::size_t k) { f(at(k), at(k + 1)); });
 }
 
-/// [0, n) in shares of about the same size, each of them in up to kTurns ranges. A thread takes
-/// the ranges of its own share, which is the same one in every loop over so many elements, and then what
-/// others have left: cores are seldom equally fast, and what a thread wrote in one loop mostly lies in its
-/// own cache in the next. Ranges begin where kernels that take four elements at a time begin anew.
+/// [0, n) in shares of about the same size, each of them in up to kTurns ranges. A thread takes the ranges of
+/// its own share, which is the same one in every loop over so many elements, and then what others have left:
+/// cores are seldom equally fast, and what a thread wrote in one loop mostly lies in its own cache in the
+/// next. Ranges begin at multiples of kTogether, where kernels that take so many elements at once begin anew.
 class Shares {
  public:
   /// `most`: shares, one per thread.
@@ -102,14 +102,15 @@ class Shares {
   }
 
  private:
-  static constexpr int kMost = 256, kTurns = 8;
+  /// Shares at most, beyond the cores of a host; ranges of a share; elements that SIMD kernels take at once.
+  static constexpr int kMost = 256, kTurns = 8, kTogether = 4;
   struct alignas(64) Taken {
     int ranges;
   };
 
   int at(int range) const {
-    const std::int64_t fours = (std::int64_t{n_} + 3) / 4;
-    return static_cast<int>(std::min<std::int64_t>(n_, fours * range / (count_ * turns_) * 4));
+    const std::int64_t groups = (std::int64_t{n_} + kTogether - 1) / kTogether;
+    return static_cast<int>(std::min<std::int64_t>(n_, groups * range / (count_ * turns_) * kTogether));
   }
 
   const int n_, count_, turns_;

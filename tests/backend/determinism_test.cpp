@@ -67,7 +67,7 @@ TEST(Determinism, RandomWorldsHaveTheSameBitsAtAnyNumberOfThreads) {
   }
 }
 
-/// Boxes in a trough whose floor and walls are each 0.2 m inside of them: three pairs flag the same box.
+/// Boxes in a trough whose floor and walls are each 0.2 m inside of them.
 TEST(Determinism, BodiesPressedByThreeWallsHaveTheSameBitsAtAnyNumberOfThreads) {
   Scene scene;
   const auto add = [&](const Vec3& half, const Vec3& position, Motion motion) {
