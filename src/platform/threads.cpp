@@ -7,10 +7,13 @@
 #include <mutex>
 #include <utility>
 
+#include "platform/crew.h"
+
 #if defined(RUBBLE_HAS_TBB)
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 #else
 #include "platform/team.h"
 #endif
@@ -19,27 +22,32 @@ namespace rubble {
 
 namespace {
 
-/// What runs the loops of this thread: the tasks of the host or a Team of the innermost scope, or null.
-template <class T> T*& currentOf() {
-  thread_local T* current = nullptr;
-  return current;
-}
-template <class T> struct Current {
-  explicit Current(T* now) : outer(std::exchange(currentOf<T>(), now)) {}
-  ~Current() { currentOf<T>() = outer; }
-  T* const outer;
+/// What runs the loops of a thread: tasks of the host, a crew that it owns, or the thread alone, as inside of
+/// another loop.
+struct Loops {
+  const TaskSystem* host = nullptr;
+  Crew* crew = nullptr;
+  bool alone = false;
 };
-const TaskSystem* hostTasks() { return currentOf<const TaskSystem>(); }
+Loops& loopsHere() {
+  thread_local Loops here;
+  return here;
+}
+struct Scope {
+  explicit Scope(const Loops& inner) : outer(std::exchange(loopsHere(), inner)) {}
+  ~Scope() { loopsHere() = outer; }
+  const Loops outer;
+};
 
 /// Threads that the loops of this thread run on, or tasks of the host.
 int threadsHere() {
-  if (const TaskSystem* const host = hostTasks()) return host->parts;
+  const Loops& here = loopsHere();
+  if (here.host) return here.host->parts;
+  if (here.crew) return here.crew->size();
 #if defined(RUBBLE_HAS_TBB)
-  return tbb::this_task_arena::max_concurrency();
-#else
-  const Team* const team = currentOf<Team>();
-  return team ? team->threads() : 1;
+  if (!here.alone) return tbb::this_task_arena::max_concurrency();
 #endif
+  return 1;
 }
 
 /// Calls f(k) for k = 0 .. n - 1 on tasks of the host, which do not throw: the exception of the lowest k is
@@ -53,6 +61,7 @@ void forEachHostTask(const TaskSystem& host, int n, FunctionRef<void(std::size_t
   } loop{f, n, nullptr, {}};
   const auto task = [](void* context, int k) {
     Loop& own = *static_cast<Loop*>(context);
+    const Scope scope({.alone = true});
     try {
       own.f(static_cast<std::size_t>(k));
     } catch (...) {
@@ -62,15 +71,6 @@ void forEachHostTask(const TaskSystem& host, int n, FunctionRef<void(std::size_t
   };
   host.run(n, task, &loop);
   if (loop.failure) std::rethrow_exception(loop.failure);
-}
-
-/// f(begin, end) for `parts` ranges of the same size.
-template <class N> void forEachOf(N parts, N n, FunctionRef<void(N, N)> f) {
-  if (parts == 1) return f(N{0}, n);
-  const auto at = [&](std::size_t part) {
-    return static_cast<N>(static_cast<unsigned long long>(n) * part / static_cast<std::size_t>(parts));
-  };
-  forEachTask(static_cast<std::size_t>(parts), [&](std::size_t k) { f(at(k), at(k + 1)); });
 }
 
 /// [0, n) in shares of about the same size, each of them in up to kTurns ranges. A thread takes the ranges of
@@ -118,23 +118,41 @@ class Shares {
   std::array<Taken, kMost> taken_;  // of the first `count`, each in a cache line of its own
 };
 
+/// work(k) on the owner of the crew and on its members.
+void runTogether(Crew& crew, int wanted, FunctionRef<void(int)> work) {
+  crew.run(wanted, [&](int k) {
+    const Scope scope({.alone = true});
+    work(k);
+  });
+}
+
 }  // namespace
 
 #if defined(RUBBLE_HAS_TBB)
+/// Members are tasks of oneTBB.
 struct Threads::Pool {
   explicit Pool(int count) : arena(count > 0 ? count : tbb::task_arena::automatic) {}
   int count() const { return arena.max_concurrency(); }
-  void run(FunctionRef<void()> f) { arena.execute(f); }
+  void run(FunctionRef<void(Crew&)> f) {
+    arena.execute([&] {
+      tbb::task_group members;
+      const auto call = [&](Crew& crew, int k) { members.run([&crew, k] { crew.serve(k); }); };
+      Crew crew(count(), call);
+      struct End {
+        tbb::task_group& members;
+        Crew& crew;
+        ~End() { crew.dismiss(), members.wait(); }
+      } const end{members, crew};
+      f(crew);
+    });
+  }
   tbb::task_arena arena;
 };
 #else
 struct Threads::Pool {
   explicit Pool(int count) : team(count) {}
   int count() const { return team.threads(); }
-  void run(FunctionRef<void()> f) {
-    const Current<Team> current(&team);
-    f();
-  }
+  void run(FunctionRef<void(Crew&)> f) { team.run(f); }
   Team team;
 };
 #endif
@@ -147,58 +165,68 @@ int Threads::count() const { return tasks_.run ? tasks_.parts : own_->count(); }
 
 void Threads::run(FunctionRef<void()> f) {
   if (tasks_.run) return withTasks(tasks_, f);
-  const Current<const TaskSystem> none(nullptr);  // a task of the host starts none
-  own_->run(f);
+  if (count() == 1) {
+    const Scope scope({.alone = true});
+    return f();
+  }
+  own_->run([&](Crew& crew) {
+    const Scope scope({.crew = &crew});
+    f();
+  });
 }
 
 void withTasks(const TaskSystem& tasks, FunctionRef<void()> f) {
-  const Current<const TaskSystem> current(tasks.run ? &tasks : nullptr);
+  if (!tasks.run) return f();
+  const Scope scope({.host = &tasks});
   f();
 }
 
 void forEachTask(std::size_t n, FunctionRef<void(std::size_t)> f) {
-  const auto each = [&] {
-    for (std::size_t k = 0; k < n; ++k) f(k);
-  };
-  if (const TaskSystem* const host = hostTasks())
-    return host->parts == 1 || n == 0 ? each() : forEachHostTask(*host, static_cast<int>(n), f);
+  const Loops& here = loopsHere();
+  if (here.host && here.host->parts > 1 && n > 0) return forEachHostTask(*here.host, static_cast<int>(n), f);
+  if (here.crew && n > 1) {
+    std::atomic<std::size_t> next{0};
+    return runTogether(*here.crew, static_cast<int>(std::min<std::size_t>(n, Crew::kMost)), [&](int) {
+      for (std::size_t k; (k = next.fetch_add(1, std::memory_order_relaxed)) < n;) f(k);
+    });
+  }
 #if defined(RUBBLE_HAS_TBB)
-  tbb::parallel_for(std::size_t{0}, n, f, tbb::simple_partitioner{});
-#else
-  if (Team* const team = currentOf<Team>()) return team->run(n, f);
-  each();
+  if (!here.host && !here.alone) return tbb::parallel_for(std::size_t{0}, n, f, tbb::simple_partitioner{});
 #endif
+  for (std::size_t k = 0; k < n; ++k) f(k);
 }
 
 void forEachShare(int n, int grain, FunctionRef<void(int, int)> f) {
   if (n <= 0) return;
+  const Loops& here = loopsHere();
   Shares shares(n, threadsHere(), grain, f);
   if (shares.count() == 1) return f(0, n);
-#if defined(RUBBLE_HAS_TBB)
-  const auto take = [&](const auto&) { shares.takeFrom(tbb::this_task_arena::current_thread_index()); };
-  if (!hostTasks())
-    return tbb::parallel_for(tbb::blocked_range<int>(0, shares.count(), 1), take, tbb::static_partitioner{});
-#endif
+  if (here.crew) return runTogether(*here.crew, shares.count(), [&](int k) { shares.takeFrom(k); });
   forEachTask(static_cast<std::size_t>(shares.count()),
               [&](std::size_t k) { shares.takeFrom(static_cast<int>(k)); });
 }
 
 void forEachRange(std::size_t n, std::size_t grain, FunctionRef<void(std::size_t, std::size_t)> f) {
   if (n == 0) return;
+  const Loops& here = loopsHere();
 #if defined(RUBBLE_HAS_TBB)
-  if (!hostTasks())
+  if (!here.host && !here.crew && !here.alone)
     return tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
                              [&](const auto& range) { f(range.begin(), range.end()); });
 #endif
   // a few ranges for each thread balance them
-  const std::size_t most = static_cast<std::size_t>(threadsHere() * (hostTasks() ? 1 : 8));
-  forEachOf(std::clamp(n / grain, std::size_t{1}, most), n, f);
+  const auto most = static_cast<std::size_t>(threadsHere() * (here.crew ? 8 : 1));
+  const std::size_t parts = std::clamp(n / grain, std::size_t{1}, most);
+  const auto at = [&](std::size_t part) { return n * part / parts; };
+  forEachTask(parts, [&](std::size_t k) { f(at(k), at(k + 1)); });
 }
 
 void sortOnThreads(std::span<int> numbers, const std::uint64_t* key) {
   const auto less = [key](int a, int b) { return key[a] != key[b] ? key[a] < key[b] : a < b; };
 #if defined(RUBBLE_HAS_TBB)
-  if (!hostTasks()) return tbb::parallel_sort(numbers.begin(), numbers.end(), less);
+  // by itself, so that no task of a crew runs inside of it
+  if (!loopsHere().host && !loopsHere().alone)
+    return tbb::this_task_arena::isolate([&] { tbb::parallel_sort(numbers.begin(), numbers.end(), less); });
 #endif
   std::sort(numbers.begin(), numbers.end(), less);
 }

@@ -1,9 +1,12 @@
 /// Threads of builds without oneTBB, and the names of kernels in the signatures of compilers.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
-#include <numeric>
 #include <stdexcept>
+#include <thread>
+#include <vector>
 
 #include "platform/team.h"
 #include "stages/executor.h"
@@ -14,35 +17,52 @@ namespace {
 
 constexpr int kThreads = 4;
 
+/// task(k) for k = 0 .. n - 1 on a crew.
+template <class Task> void forEach(Crew& crew, int n, const Task& task) {
+  std::atomic<int> next{0};
+  crew.run(crew.size(), [&](int) {
+    for (int k; (k = next++) < n;) task(k);
+  });
+}
+
 TEST(Team, DoesEachTaskOnce) {
   Team team(kThreads);
-  for (std::size_t count = 0; count < 300; ++count) {
-    std::vector<int> done(count);
-    team.run(count, [&](std::size_t k) { ++done[k]; });
-    EXPECT_EQ(std::accumulate(done.begin(), done.end(), 0), static_cast<int>(count));
+  for (int count = 0; count < 300; ++count) {
+    std::vector<int> done(static_cast<std::size_t>(count));
+    team.run([&](Crew& crew) { forEach(crew, count, [&](int k) { ++done[static_cast<std::size_t>(k)]; }); });
     EXPECT_TRUE(std::all_of(done.begin(), done.end(), [](int n) { return n == 1; }));
   }
 }
 
 TEST(Team, HasSeenAllWritesOfALoopBeforeTheNext) {
   Team team(kThreads);
-  constexpr std::size_t kCount = 64;
+  constexpr int kCount = 64;
   std::vector<long long> a(kCount, 1), b(kCount);
   long long expected = 1;
-  for (int loop = 0; loop < 3000; ++loop, expected = (2 * expected) % 1000003) {
-    // each task reads what others have written
-    team.run(kCount, [&](std::size_t k) { b[k] = (a[k] + a[(k + 17) % kCount]) % 1000003; });
-    std::swap(a, b);
-  }
+  team.run([&](Crew& crew) {
+    for (int loop = 0; loop < 3000; ++loop, expected = (2 * expected) % 1000003) {
+      // each task reads what others have written
+      forEach(crew, kCount, [&](int k) {
+        const auto at = [&](int i) { return static_cast<std::size_t>(i % kCount); };
+        b[at(k)] = (a[at(k)] + a[at(k + 17)]) % 1000003;
+      });
+      std::swap(a, b);
+    }
+  });
   for (const long long n : a) EXPECT_EQ(n, expected);
 }
 
-TEST(Team, RunsLoopsInsideOfTasksAndOfOtherTeams) {
+TEST(Team, RunsOnTheCallingThreadAloneInsideOfALoopOfItsOwn) {
   Team team(kThreads), other(kThreads);
   std::atomic<int> done{0};
-  team.run(8, [&](std::size_t) {
-    team.run(8, [&](std::size_t) { ++done; });
-    other.run(8, [&](std::size_t) { ++done; });
+  team.run([&](Crew& crew) {
+    forEach(crew, 8, [&](int) {
+      team.run([&](Crew& inner) {
+        EXPECT_EQ(inner.size(), 1);
+        forEach(inner, 8, [&](int) { ++done; });
+      });
+      other.run([&](Crew& inner) { forEach(inner, 8, [&](int) { ++done; }); });
+    });
   });
   EXPECT_EQ(done, 8 * 16);
 }
@@ -51,7 +71,8 @@ TEST(Team, ServesTwoThreadsAtOnce) {
   Team team(kThreads);
   std::atomic<int> done{0};
   const auto work = [&] {
-    for (int loop = 0; loop < 200; ++loop) team.run(16, [&](std::size_t) { ++done; });
+    for (int loop = 0; loop < 200; ++loop)
+      team.run([&](Crew& crew) { forEach(crew, 16, [&](int) { ++done; }); });
   };
   std::thread second(work);
   work();
@@ -59,18 +80,32 @@ TEST(Team, ServesTwoThreadsAtOnce) {
   EXPECT_EQ(done, 2 * 200 * 16);
 }
 
-TEST(Team, ThrowsAnExceptionOfATaskAndGoesOn) {
+TEST(Team, ThrowsTheFirstExceptionWhenAllIsDoneAndGoesOn) {
   Team team(kThreads);
   std::atomic<int> done{0};
-  EXPECT_THROW(team.run(100,
-                        [&](std::size_t k) {
-                          ++done;
-                          if (k % 10 == 3) throw std::runtime_error("a task");
-                        }),
-               std::runtime_error);
+  const auto run = [&](bool throws) {
+    team.run([&](Crew& crew) {
+      forEach(crew, 100, [&](int k) {
+        ++done;
+        if (throws && k % 10 == 3) throw std::runtime_error("a task");
+      });
+    });
+  };
+  EXPECT_THROW(run(true), std::runtime_error);
   EXPECT_EQ(done, 100);
-  team.run(100, [&](std::size_t) { ++done; });
+  run(false);
   EXPECT_EQ(done, 200);
+}
+
+/// Of two tasks each waits for the other: do two threads run them?
+bool areTwoAtWork(Crew& crew) {
+  std::atomic<int> begun{0};
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  forEach(crew, 2, [&](int) {
+    ++begun;
+    while (begun < 2 && std::chrono::steady_clock::now() < limit) std::this_thread::yield();
+  });
+  return std::chrono::steady_clock::now() < limit;
 }
 
 TEST(Team, StartsAfterItHadNoMemoryForItsThreads) {
@@ -78,17 +113,19 @@ TEST(Team, StartsAfterItHadNoMemoryForItsThreads) {
   std::atomic<int> done{0};
   {
     const test::FailingMemory none(0, true);
-    team.run(2, [&](std::size_t) { ++done; });
+    team.run([&](Crew& crew) { forEach(crew, 2, [&](int) { ++done; }); });
   }
   EXPECT_EQ(done, 2);
-  // each waits for the other, which another thread has to run
-  std::atomic<int> begun{0};
-  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  team.run(2, [&](std::size_t) {
-    ++begun;
-    while (begun < 2 && std::chrono::steady_clock::now() < limit) std::this_thread::yield();
+  team.run([](Crew& crew) { EXPECT_TRUE(areTwoAtWork(crew)); });
+}
+
+TEST(Team, ComesAgainAfterALongRest) {
+  Team team(2);
+  team.run([&](Crew& crew) {
+    EXPECT_TRUE(areTwoAtWork(crew));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // members leave
+    EXPECT_TRUE(areTwoAtWork(crew));
   });
-  EXPECT_LT(std::chrono::steady_clock::now(), limit);
 }
 
 TEST(KernelName, IsReadFromSignaturesOfEachCompiler) {
