@@ -20,7 +20,8 @@ template <class F> struct JoinCcdIslands {
     if (s.counters->fastBodies == 0 || !spec.isRigid || !active<F>(s, i)) return;
     if (!isDynamic(s, spec.a) || !isDynamic(s, spec.b)) return;
     unite(s.root, spec.a, spec.b);
-    s.ccdPair[spec.a] = s.ccdPair[spec.b] = kStopsWithIsland;
+    atomicRaise(&s.ccdPair[spec.a], kStopsWithIsland);
+    atomicRaise(&s.ccdPair[spec.b], kStopsWithIsland);
   }
 };
 /// Value of ccdRound, in place of a round: the body is one of those that stop its CCD island.

@@ -132,7 +132,7 @@ template <class F> struct MarkJointedAggregates {
     if (!block.active || !isDynamic(s, block.a) || !isDynamic(s, block.b)) return;
     for (int level = JointBlocks<F>::joinLevel(s, i); level < kCoarseLevels; ++level)
       if (const int aggregate = s.aggregateOf[atLevel(s, level, block.a)];
-          aggregate >= 0 && s.aggregate[aggregate].joined == 0)
+          aggregate >= 0 && atomicLoad(&s.aggregate[aggregate].joined) == 0)
         atomicSet(&s.aggregate[aggregate].joined, 1);
   }
 };
