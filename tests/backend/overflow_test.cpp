@@ -9,7 +9,7 @@
 namespace rubble {
 namespace {
 
-constexpr int kSteps = 40;
+constexpr int kSteps = 12;
 constexpr int kAmple = 100'000;
 const std::vector<std::string> kKinds = {"pairs",      "activePairs", "manifolds", "incidences", "colors",
                                          "aggregates", "slices",      "boundary",  "freeIslands"};
