@@ -22,14 +22,24 @@ struct FlattenAggregatesByBlock {
 };
 template <> struct OnDevice<FlattenAggregates> { using Type = FlattenAggregatesByBlock; };
 
-/// Lanes per slice. Aggregates of the finest level are small, the slices of coarser ones are full.
-inline constexpr int kSmallWidth = 8;
-/// Slices get a full warp in sweeps if there are soft nodes, or at least one joint per this many bodies.
-/// Joints and soft nodes take long when one lane handles several.
-inline constexpr int kBodiesPerJoint = 4;
+/// Lanes per slice: few where it is small, else a warp. Joints and soft nodes take long when one lane handles
+/// several, so without batches of worlds there are always a warp's if there are soft nodes, or at least one
+/// joint per kBodiesPerJoint bodies.
+inline constexpr int kSmallWidth = 8, kBodiesPerJoint = 4;
+__host__ __device__ inline bool hasNarrowSlices(const SolverData& s) {
+  return s.anyKinds || (s.softNodes == 0 && kBodiesPerJoint * s.jointSlots() < s.bodies);
+}
+/// Those of all slices of a level, but for narrow ones. Aggregates of the finest level are small.
 __host__ __device__ inline int sliceWidth(const SolverData& s, int level) {
-  if (s.anyKinds) return level == 0 ? kSmallWidth : kWarp;
-  return level == 0 && s.softNodes == 0 && kBodiesPerJoint * s.jointSlots() < s.bodies ? kSmallWidth : kWarp;
+  return level == 0 && hasNarrowSlices(s) ? kSmallWidth : kWarp;
+}
+/// Is the slice a whole aggregate of so few nodes and constraints that kSmallWidth lanes sum it?
+__device__ inline bool isNarrow(const SolverData& s, int slice) {
+  constexpr int kMostConstraints = 16;
+  const Slice& own = s.slice[slice];
+  const Aggregate& aggregate = s.aggregate[own.aggregate];
+  return own.end - own.begin <= kSmallWidth && aggregate.sliceEnd - aggregate.sliceBegin == 1 &&
+         s.boundaryOffset[slice + 1] - s.boundaryOffset[slice] <= kMostConstraints;
 }
 
 /// Slice sums are reduced to the sum of an aggregate by a tree whose fan-in is the tile width. The last child
@@ -282,7 +292,8 @@ __device__ __noinline__ void sumLongSlice(const SolverData& s, const SumTree& tr
 }
 
 /// SumSlice and SolveAggregate fused, for the slices of a level (`softOnly`: of aggregates with soft nodes).
-/// The first blocks process long slices, each tile of the other blocks one slice.
+/// The first blocks process long slices, each tile of the other blocks one slice. Slices of coarse levels
+/// that are narrow follow when the others are done.
 template <int kTile, bool uniform>
 __global__ void __launch_bounds__(kThreads, 6)
     sumSlices(const __grid_constant__ SolverData s, SumTree tree, LongList longSlices, int longBlocks,
@@ -301,19 +312,24 @@ __global__ void __launch_bounds__(kThreads, 6)
         sumLongSlice<kTile, uniform>(s, tree, i, warpSums);
     return;
   }
-  const Tile<kTile> tile = Tile<kTile>::ofThread();
-  constexpr int kTiles = kThreads / kTile;
-  const int stride = (static_cast<int>(gridDim.x) - longBlocks) * kTiles;
-  for (int i = begin + block * kTiles + static_cast<int>(threadIdx.x) / kTile; i < end; i += stride) {
-    if (isLongSlice(s, i, level) || isLeft(i)) continue;
-    const Slice slice = s.slice[i];
-    Aggregate& aggregate = s.aggregate[slice.aggregate];
-    const Block6 own = gatherSlice<kTile, uniform>(s, i, slice, aggregate, tile, tile.lane,
-                                                   [&](bool yes) { return tile.ballot(yes) != 0; });
-    Real sums[kRealsPerLane<kTile>];
-    sumBlocks(tile, own, sums);
-    handOn(s, tree, i, aggregate, tile, sums);
-  }
+  const bool isMixed = kTile == kWarp && hasNarrowSlices(s);
+  const auto sumEach = [&]<int kWidth>(const Tile<kWidth>& tile) {
+    constexpr int kTiles = kThreads / kWidth;
+    const int stride = (static_cast<int>(gridDim.x) - longBlocks) * kTiles;
+    for (int i = begin + block * kTiles + static_cast<int>(threadIdx.x) / kWidth; i < end; i += stride) {
+      if (isLongSlice(s, i, level) || isLeft(i) || (isMixed && isNarrow(s, i) != (kWidth == kSmallWidth)))
+        continue;
+      const Slice slice = s.slice[i];
+      Aggregate& aggregate = s.aggregate[slice.aggregate];
+      const Block6 own = gatherSlice<kWidth, uniform>(s, i, slice, aggregate, tile, tile.lane,
+                                                      [&](bool yes) { return tile.ballot(yes) != 0; });
+      Real sums[kRealsPerLane<kWidth>];
+      sumBlocks(tile, own, sums);
+      handOn(s, tree, i, aggregate, tile, sums);
+    }
+  };
+  sumEach(Tile<kTile>::ofThread());
+  if (isMixed) sumEach(Tile<kSmallWidth>::ofThread());
 }
 
 /// The second half of sumSlices, once all devices have the sums of all slices: in the same order.

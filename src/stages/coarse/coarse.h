@@ -76,10 +76,11 @@ RUBBLE_HD inline void addInertia(const SolverData& s, const Aggregate& aggregate
 /// constant in the step.
 RUBBLE_HD inline void placeAggregate(Aggregate& aggregate, const Vec3d& origin, const Block6& sum) {
   const Vec3 center = sum.fl / sum.fa.x;
+  Block6 inertia;
+  addShifted(inertia, sum, -center);
+  inertia.fl = inertia.fa = {0, 0, 0};
   aggregate.center = origin + Vec3d(center);
-  aggregate.inertia = {};
-  addShifted(aggregate.inertia, sum, -center);
-  aggregate.inertia.fl = aggregate.inertia.fa = {0, 0, 0};
+  aggregate.inertia = inertia;
 }
 
 struct SumInertia {
