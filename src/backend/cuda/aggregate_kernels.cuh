@@ -23,8 +23,8 @@ struct FlattenAggregatesByBlock {
 template <> struct OnDevice<FlattenAggregates> { using Type = FlattenAggregatesByBlock; };
 
 /// Lanes per slice: few where it is small, else a warp. Joints and soft nodes take long when one lane handles
-/// several, so without batches of worlds there are always a warp's if there are soft nodes, or at least one
-/// joint per kBodiesPerJoint bodies.
+/// several. So a world that is no batch has narrow slices only if it has no soft nodes, and fewer joints than
+/// one per kBodiesPerJoint bodies.
 inline constexpr int kSmallWidth = 8, kBodiesPerJoint = 4;
 __host__ __device__ inline bool hasNarrowSlices(const SolverData& s) {
   return s.anyKinds || (s.softNodes == 0 && kBodiesPerJoint * s.jointSlots() < s.bodies);
@@ -33,9 +33,10 @@ __host__ __device__ inline bool hasNarrowSlices(const SolverData& s) {
 __host__ __device__ inline int sliceWidth(const SolverData& s, int level) {
   return level == 0 && hasNarrowSlices(s) ? kSmallWidth : kWarp;
 }
-/// Is the slice a whole aggregate of so few nodes and constraints that kSmallWidth lanes sum it?
+/// Is the slice a whole aggregate of so few nodes and constraints that kSmallWidth lanes sum it? That takes
+/// them a round for the nodes and up to eight for the constraints, of which kLanes lanes share one.
 __device__ inline bool isNarrow(const SolverData& s, int slice) {
-  constexpr int kMostConstraints = 16;
+  constexpr int kMostConstraints = 8 * (kSmallWidth / kLanes);
   const Slice& own = s.slice[slice];
   const Aggregate& aggregate = s.aggregate[own.aggregate];
   return own.end - own.begin <= kSmallWidth && aggregate.sliceEnd - aggregate.sliceBegin == 1 &&
