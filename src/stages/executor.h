@@ -76,7 +76,8 @@ struct Rounds {
 ///   require(per, counter)          reserves capacity before elements are written: none is dropped
 ///   rounds({left, turn}, take, propose...)  phases: runs `take`, sets `left` to zero and counts one more
 ///                                  `turn`, then runs all others in order, until they leave `left` at zero.
-///                                  If there was a round, those AtEnd follow
+///                                  If there was a round, those AtEnd follow. To an observer it is one
+///                                  kernel: how many rounds it has may depend on the order of elements
 ///   aliasRows()                    contact rows reuse the memory of the old manifolds
 ///   swapManifolds()                manifolds of this step become the old ones of the next
 ///   Lane                           Real or Real4: the number of contact points that one call processes

@@ -175,7 +175,8 @@ struct VertexIterates {
 /// Corner slots per body: owners of pairs between body corners and surfaces.
 inline constexpr int kCornerSlots = 8;
 
-/// Pairs that a vertex or edge may own before the broad phase runs again with more room.
-inline constexpr int kPointPairSlots = 12;
+/// Partners that are stored of an owner of point pairs, and finds of which duplicates are removed before. Of
+/// more there is only a number, and the second pass searches again.
+inline constexpr int kPointPairSlots = 12, kPointPairFinds = 32;
 
 }  // namespace rubble::RUBBLE_CORE

@@ -40,7 +40,7 @@ std::vector<std::string> backends() {
 #endif
   names.emplace_back("backward");
 #if defined(RUBBLE_HAS_LOCKSTEP)
-  names.emplace_back("lockstep");
+  names.insert(names.end(), {"lockstep", "lockstep-backward"});
 #endif
   if (cudaReady()) names.insert(names.end(), {"cuda", "lockstep-cuda"});
   return names;
@@ -60,9 +60,11 @@ std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
                        .timings = options.timings,
                        .variant = variantOf(given.empty() ? instructionSets().back() : given),
                        .tasks = options.tasks,
-                       .memory = options.memory,
-                       .backward = options.backend == "backward"};
-  if (options.backend == "cpu" || cpu.backward) return f32::makeCpuEngine(cpu);
+                       .memory = options.memory};
+  CpuOptions backward = cpu;
+  backward.backward = true;
+  if (options.backend == "cpu") return f32::makeCpuEngine(cpu);
+  if (options.backend == "backward") return f32::makeCpuEngine(backward);
 #if defined(RUBBLE_HAS_REFERENCE)
   if (options.backend == "reference") return f64::makeCpuEngine(cpu);
 #endif
@@ -75,6 +77,8 @@ std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
     return f32::makeLockstepEngine(
         f32::makeCpuEngine({.threads = 1, .timings = options.timings, .variant = variantOf(given)}),
         f32::makeCpuEngine({.threads = options.threads, .timings = false, .variant = cpu.variant}));
+  if (options.backend == "lockstep-backward")
+    return f32::makeLockstepEngine(f32::makeCpuEngine(cpu), f32::makeCpuEngine(backward));
 #endif
   if (options.backend == "cuda" || options.backend == "lockstep-cuda") {
     if (!cudaReady()) throw Error("backend", "a machine and a build with CUDA", cudaStatus());

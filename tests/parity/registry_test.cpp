@@ -85,27 +85,32 @@ std::vector<std::string> softNames() {
   return out;
 }
 
+/// The first difference between the two engines of a lockstep, over so many steps.
+std::string firstDifference(const std::string& name, const std::string& backend, int threads, int steps) {
+  WorldOptions options = optionsOf(jobOf(name), backend);
+  options.threads = threads;
+  scenes::Runner lockstep(jobOf(name), options);
+  for (int i = 0; i < steps; ++i) lockstep.step();
+  return lockstep.world().firstDifference();
+}
+
 TEST(Parity, OfManyThreadsIsExactForDeformableObjects) {
   ASSERT_FALSE(softNames().empty());
-  for (const std::string& name : softNames()) {
-    WorldOptions options = optionsOf(jobOf(name), "lockstep");
-    options.threads = 3;
-    scenes::Runner lockstep(jobOf(name), options);
-    for (int i = 0; i < kSteps; ++i) lockstep.step();
-    EXPECT_EQ(lockstep.world().firstDifference(), "") << name;
-  }
+  for (const std::string& name : softNames())
+    EXPECT_EQ(firstDifference(name, "lockstep", 3, kSteps), "") << name;
 }
 
 /// Every loop of a step gives the same from its last element to its first, as threads and lanes of a device
-/// may take them.
+/// may take them. Threads alone seldom meet in the order that shows a difference.
+TEST(Parity, OfLoopsThatRunBackwardIsExactForDeformableObjects) {
+  for (const std::string& name : softNames())
+    EXPECT_EQ(firstDifference(name, "lockstep-backward", 1, kSteps), "") << name;
+}
+
 TEST(LongParity, OfLoopsThatRunBackwardIsExact) {
   constexpr int kLongSteps = 120;
-  for (const std::string& name : names()) {
-    scenes::Runner forward(jobOf(name), optionsOf(jobOf(name), "cpu")),
-        backward(jobOf(name), optionsOf(jobOf(name), "backward"));
-    for (int i = 0; i < kLongSteps; ++i) forward.step(), backward.step();
-    EXPECT_EQ(backward.world().hash(), forward.world().hash()) << name;
-  }
+  for (const std::string& name : names())
+    EXPECT_EQ(firstDifference(name, "lockstep-backward", 1, kLongSteps), "") << name;
 }
 
 TEST(Parity, OfManyThreadsIsExact) {

@@ -52,13 +52,7 @@ class CpuExecutor {
 
   template <class Kernel> void forEach(const Kernel& kernel, int n) {
     enter<Kernel>();
-    if constexpr (isDivided<Kernel>())
-      if (division_) return runPart(kernel, n, Divided<Kernel>::which(kernel));
-    const SolverData& s = view();
-    if constexpr (requires { InParts<Kernel>::run(s, kernel, 0, n); })
-      if (!backward_)
-        return forRange(n, [&](int begin, int end) { InParts<Kernel>::run(s, kernel, begin, end); });
-    run(s, kernel, n, [](int i) { return i; });
+    runAll(kernel, n);
   }
   template <class Kernel> void forEach(const Kernel& kernel, int Counters::*n) {
     forEach(kernel, view().counters->*n);
@@ -110,10 +104,11 @@ class CpuExecutor {
   void rounds(const Rounds& of, const Take& take, const Others&... others) {
     int &left = view().counters->*of.left, &turn = view().counters->*of.turn;
     const auto runIf = [&](bool wanted, const auto& phase) {
-      if (wanted) forEach(phase.kernel, phase.count);
+      if (wanted) runAll(phase.kernel, countOf(phase.count));
     };
+    enter<typename Take::Kernel>();
     while (left != 0 && turn < of.most) {
-      forEach(take.kernel, take.count);
+      runIf(true, take);
       left = 0;
       ++turn;
       (runIf(Others::kWhen != When::AtEnd, others), ...);
@@ -174,6 +169,16 @@ class CpuExecutor {
   template <class Kernel> void enter() {
     if (observer_) observer_(Kernel::kStage, kernelName<Kernel>());
     if (timings_) clock_.enter(Kernel::kStage);
+  }
+
+  template <class Kernel> void runAll(const Kernel& kernel, int n) {
+    if constexpr (isDivided<Kernel>())
+      if (division_) return runPart(kernel, n, Divided<Kernel>::which(kernel));
+    const SolverData& s = view();
+    if constexpr (requires { InParts<Kernel>::run(s, kernel, 0, n); })
+      if (!backward_)
+        return forRange(n, [&](int begin, int end) { InParts<Kernel>::run(s, kernel, begin, end); });
+    run(s, kernel, n, [](int i) { return i; });
   }
 
   /// Runs the elements of this rank. What another rank counts does not count here.

@@ -277,19 +277,7 @@ class CudaExecutor : private ScanLauncher {
   /// A single launch with grid-wide barriers between the kernels.
   template <class Take, class... Others>
   void rounds(const Rounds& of, const Take& take, const Others&... others) {
-    const auto runIf = [&](bool wanted, const auto& phase) {
-      if (wanted) forEach(phase.kernel, fetch(phase.count));
-    };
-    if (observer_)
-      return oneByOne([&] {
-        int turn = fetch(of.turn);
-        while (fetch(of.left) != 0 && turn < of.most) {
-          runIf(true, take);
-          store(of.left, 0), store(of.turn, ++turn);
-          (runIf(Others::kWhen != When::AtEnd, others), ...);
-        }
-        (runIf(Others::kWhen == When::AtEnd && turn != 0, others), ...);
-      });
+    announce(Take::Kernel::kStage, kernelName<typename Take::Kernel>());
     if (!begins()) return;
     enterStage(Take::Kernel::kStage);
     static_assert(sizeof...(Others) < kMostPhases);

@@ -210,26 +210,6 @@ class KernelLauncher {
     checkCuda(cudaLaunchKernelEx(&config, kernel, std::forward<Given>(arguments)...), name);
     afterKernel_ = false;
   }
-  /// Runs phases from the host, so that each is announced. It counts as one operation: a step that stops
-  /// later is resumed by number.
-  template <class Phases> void oneByOne(Phases&& phases) {
-    if (!begins()) return;
-    const int next = operation_;
-    phases();
-    operation_ = next;
-  }
-  int fetch(int n) const { return n; }
-  int fetch(int Counters::*c) {
-    int value = 0;
-    copyNow(&value, counter(c), cudaMemcpyDeviceToHost);
-    return value;
-  }
-  void store(int Counters::*c, int value) { copyNow(counter(c), &value, cudaMemcpyHostToDevice); }
-  void copyNow(int* to, const int* from, cudaMemcpyKind kind) {
-    checkCuda(cudaMemcpyAsync(to, from, sizeof(int), kind, stream_), "cudaMemcpyAsync");
-    checkCuda(cudaStreamSynchronize(stream_), "a counter");
-    afterKernel_ = false;
-  }
 
   Count countOf(int n) const { return {n, nullptr}; }
   Count countOf(int Counters::*c) const { return {0, counter(c)}; }

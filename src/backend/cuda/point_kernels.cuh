@@ -21,25 +21,22 @@ struct FindPointPairsByTile {
   static constexpr const char* kStage = FindPointPairs::kStage;
   static constexpr int kWidth = kSearchWidth;
   static constexpr int kBlocks = 8;
-  /// partners found by the lanes, before duplicates are removed
-  static constexpr int kFound = 32;
 
   __device__ void operator()(const SolverData& s, int owner, const Tile<kWidth>& tile) const {
-    __shared__ int counts[kThreads / kWidth], found[kThreads / kWidth][kFound];
+    __shared__ int counts[kThreads / kWidth], found[kThreads / kWidth][kPointPairFinds];
     const int own = static_cast<int>(threadIdx.x) / kWidth;
     __syncwarp(tile.mask);
     if (tile.lane == 0) counts[own] = 0;
     __syncwarp(tile.mask);
     const auto keep = [&](int other) {
-      if (const int k = atomicAdd(&counts[own], 1); k < kFound) found[own][k] = other;
+      if (const int k = atomicAdd(&counts[own], 1); k < kPointPairFinds) found[own][k] = other;
     };
     searchPoint(s, owner, keep, tile.lane, kWidth);
     __syncwarp(tile.mask);
     if (tile.lane != 0) return;
     PartnerList list{s.pointPairSlot + owner * kPointPairSlots};
-    for (int k = 0; k < min(counts[own], kFound); ++k) list.add(found[own][k]);
-    // partners that were not stored may include duplicates
-    if (counts[own] > kFound) list.count = counts[own];
+    for (int k = 0; k < min(counts[own], kPointPairFinds); ++k) list.add(found[own][k]);
+    if (counts[own] > kPointPairFinds) list.isWhole = false, list.finds = counts[own];
     FindPointPairs::finish(s, owner, list);
   }
 };

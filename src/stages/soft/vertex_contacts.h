@@ -108,16 +108,25 @@ RUBBLE_HD void searchPoint(const SolverData& s, int owner, Found&& found, int la
   seekBoxes(s, particleGrid(s), s.worldOfPoint(v), kParticleKind, box, look, lane, lanes);
 }
 
-/// The partners of an owner, of which the first kPointPairSlots are stored. Beyond that number some may be
-/// counted several times.
+/// The partners of an owner: each once, if they are few and found a few times. Otherwise all finds count,
+/// which are as many in every order of the search.
 struct PartnerList {
   int* slots;
-  int count = 0;
+  int stored = 0, finds = 0;
+  bool isWhole = true;
   RUBBLE_HD void add(int other) {
-    for (int k = 0; k < min(count, kPointPairSlots); ++k)
+    isWhole = isWhole && finds < kPointPairFinds;
+    ++finds;
+    if (isWhole) store(other);
+  }
+  RUBBLE_HD int count() const { return isWhole ? stored : finds; }
+
+ private:
+  RUBBLE_HD void store(int other) {
+    for (int k = 0; k < stored; ++k)
       if (slots[k] == other) return;
-    if (count < kPointPairSlots) slots[count] = other;
-    ++count;
+    isWhole = stored < kPointPairSlots;
+    if (isWhole) slots[stored++] = other;
   }
 };
 
@@ -130,8 +139,8 @@ struct FindPointPairs {
     finish(s, owner, list);
   }
   RUBBLE_HD static void finish(const SolverData& s, int owner, const PartnerList& list) {
-    const bool whole = s.features > 0 && list.count <= kPointPairSlots;
-    const int parts = whole ? dropSides(s, owner, list.count, list.slots, 1) : list.count;
+    const bool drops = s.features > 0 && list.isWhole;
+    const int parts = drops ? dropSides(s, owner, list.stored, list.slots, 1) : list.count();
     s.pointPairCount[owner] = parts > 0 ? parts * rowsWithPart(s, owner) : 0;
   }
 };
