@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <rubble/worlds.h>
+#include <nlohmann/json.hpp>
 
 #include "c_api/guard.h"
 #include "io/recording.h"
@@ -76,6 +77,9 @@ struct rb_recording {
 };
 
 namespace rubble::c {
+
+/// An id in a text of JSON.
+template <class Id> nlohmann::ordered_json idJson(Id id) { return {id.index, id.generation}; }
 
 inline World& worldOf(rb_world* handle) { return *need(handle, "world").world; }
 inline const World& worldOf(const rb_world* handle) { return *need(handle, "world").world; }

@@ -10,12 +10,6 @@ using namespace rubble;
 using namespace rubble::c;
 using Ordered = nlohmann::ordered_json;
 
-namespace {
-
-template <class Id> Ordered idJson(Id id) { return {id.index, id.generation}; }
-
-}  // namespace
-
 namespace rubble::c {
 
 int frameIndex(io::RecordingReader& reader, std::int64_t index) {

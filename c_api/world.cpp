@@ -10,8 +10,6 @@ using namespace rubble::c;
 
 namespace {
 
-template <class Id> nlohmann::ordered_json idJson(Id id) { return {id.index, id.generation}; }
-
 nlohmann::ordered_json reportJson(const StepReport& r) {
   nlohmann::ordered_json json{{"step", r.step},
                               {"bodies", r.bodies},

@@ -8,9 +8,9 @@
 namespace rubble {
 namespace {
 
-constexpr int kSteps = 20;
+constexpr int kCountedSteps = 20;
 
-/// Allocations in kSteps steps of a settled pile.
+/// Allocations in kCountedSteps steps of a settled pile.
 long allocationsOfSteadySteps(int threads) {
   WorldOptions options = test::options(4, "cpu", threads);
   options.timings = false;
@@ -18,7 +18,7 @@ long allocationsOfSteadySteps(int threads) {
   test::run(world, 300);
   const std::size_t bytes = world.memoryBytes();
   const long before = test::allocations();
-  test::run(world, kSteps);
+  test::run(world, kCountedSteps);
   const long after = test::allocations();
   EXPECT_EQ(world.memoryBytes(), bytes);
   return after - before;
@@ -39,9 +39,9 @@ TEST(SteadyStep, AllocatesForItsReportOnlyWhenTimed) {
   World world(test::heap(8), test::options(4, "cpu", 1));
   test::run(world, 300);
   const long before = test::allocations();
-  test::run(world, kSteps);
+  test::run(world, kCountedSteps);
   // the list of stages: a few growths of one vector
-  EXPECT_LE(test::allocations() - before, 8 * kSteps);
+  EXPECT_LE(test::allocations() - before, 8 * kCountedSteps);
 }
 
 TEST(Reset, OfAWorldWithPairRulesLeavesOtherWorldsAlone) {

@@ -12,7 +12,7 @@
 namespace rubble {
 namespace {
 
-constexpr int kSteps = 120;
+constexpr int kManySteps = 120;
 
 /// More threads than this machine may have cores.
 const test::ManyThreads kManyThreads(8);
@@ -20,7 +20,7 @@ const test::ManyThreads kManyThreads(8);
 std::vector<std::uint64_t> hashes(int threads, const std::string& backend) {
   World world(test::heap(8), test::options(4, backend, threads));
   std::vector<std::uint64_t> out;
-  for (int i = 0; i < kSteps; ++i) {
+  for (int i = 0; i < kManySteps; ++i) {
     world.step();
     out.push_back(world.hash());
   }
@@ -39,7 +39,7 @@ TEST(Determinism, AFallingPileHasTheSameBitsWithEveryInstructionSet) {
     WorldOptions options = test::options(4, backend, threads);
     options.instructionSet = set, options.ranks.count = 2;
     World world(test::heap(8), options);
-    test::run(world, kSteps);
+    test::run(world, kManySteps);
     return world.hash();
   };
   const std::uint64_t expected = run("baseline", "cpu", 1);
@@ -93,7 +93,7 @@ TEST(Determinism, TheReferenceHasTheSameBitsAtAnyNumberOfThreads) {
 TEST(Determinism, LockstepFindsNoDifferenceAndHasTheBitsOfTheCpu) {
   World lockstep(test::heap(8), test::options(4, "lockstep", 3)),
       cpu(test::heap(8), test::options(4, "cpu", 1));
-  for (int i = 0; i < kSteps; ++i) {
+  for (int i = 0; i < kManySteps; ++i) {
     lockstep.step(), cpu.step();
     ASSERT_EQ(lockstep.firstDifference(), "") << i;
   }

@@ -17,7 +17,7 @@
 namespace rubble {
 namespace {
 
-constexpr int kSteps = 5;
+constexpr int kFewSteps = 5;
 
 std::uint64_t hashAfter(World& world, int steps) {
   test::run(world, steps);
@@ -41,15 +41,15 @@ template <class F> bool holdsInChild(F&& f) {
 
 TEST(Fork, LeavesTheChildAWorldOfOneThread) {
   World world(test::heap(3), test::options(4, "cpu", 1));
-  test::run(world, kSteps);
+  test::run(world, kFewSteps);
   const Snapshot snapshot = world.snapshot();
-  const std::uint64_t expected = hashAfter(world, kSteps);
+  const std::uint64_t expected = hashAfter(world, kFewSteps);
   world.restore(snapshot);
   EXPECT_TRUE(holdsInChild([&] {
     World own(test::heap(3), test::options(4, "cpu", 1));
-    return hashAfter(world, kSteps) == expected && hashAfter(own, 2 * kSteps) == expected;
+    return hashAfter(world, kFewSteps) == expected && hashAfter(own, 2 * kFewSteps) == expected;
   }));
-  EXPECT_EQ(hashAfter(world, kSteps), expected);
+  EXPECT_EQ(hashAfter(world, kFewSteps), expected);
 }
 
 TEST(World, IsSteppedFromAnyThread) {
@@ -65,13 +65,13 @@ TEST(World, IsSteppedFromAnyThread) {
 TEST(World, IsIndependentOfOthersThatStepBesideIt) {
   constexpr int kWorlds = 4;
   World reference(test::heap(3), test::options(4, "cpu", 1));
-  const std::uint64_t expected = hashAfter(reference, 2 * kSteps);
+  const std::uint64_t expected = hashAfter(reference, 2 * kFewSteps);
   std::vector<std::uint64_t> hashes(kWorlds);
   std::vector<std::thread> threads;
   for (int k = 0; k < kWorlds; ++k)
     threads.emplace_back([&, k] {
       World world(test::heap(3), test::options(4, "cpu", k % 2 + 1));
-      hashes[static_cast<std::size_t>(k)] = hashAfter(world, 2 * kSteps);
+      hashes[static_cast<std::size_t>(k)] = hashAfter(world, 2 * kFewSteps);
     });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(hashes, std::vector<std::uint64_t>(kWorlds, expected));
@@ -129,13 +129,13 @@ struct HostBytes {
 TEST(MemorySystem, OfTheHostHoldsTheTablesAndGetsAllOfItBack) {
   for (const char* backend : {"cpu", "reference"}) {
     World reference(everything(), test::options(4, backend));
-    test::run(reference, kSteps);
+    test::run(reference, kFewSteps);
     HostBytes host;
     WorldOptions options = test::options(4, backend, 2);
     options.memory = host.system();
     {
       World world(everything(), options);
-      EXPECT_EQ(hashAfter(world, kSteps), reference.hash()) << backend;
+      EXPECT_EQ(hashAfter(world, kFewSteps), reference.hash()) << backend;
       EXPECT_GE(host.now, world.memoryBytes()) << backend;
       world.reserve("activePairs", 100000);
       EXPECT_GE(host.now, world.memoryBytes()) << backend;
@@ -165,7 +165,7 @@ TEST(MemorySystem, ThatEndsIsOutOfMemory) {
   options.memory = host.system();
   {
     World world(everything(), options);
-    test::run(world, kSteps);
+    test::run(world, kFewSteps);
     const std::uint64_t hash = world.hash();
     host.most = host.now.load();
     EXPECT_THROW(world.reserve("activePairs", 1000000), OutOfMemory);
@@ -280,7 +280,7 @@ TEST(Log, HasWhatTheReportHasAndNothingElseIsWritten) {
   testing::internal::CaptureStdout(), testing::internal::CaptureStderr();
   World world(scene, options);
   std::size_t notable = 0;
-  for (int k = 0; k < 2 * kSteps; ++k) {
+  for (int k = 0; k < 2 * kFewSteps; ++k) {
     const StepReport report = world.step();
     notable += report.grown.size() + (report.brokenJoints > 0);
   }
@@ -292,7 +292,7 @@ TEST(Log, HasWhatTheReportHasAndNothingElseIsWritten) {
   // a log that throws does not disturb the world
   options.log = [](LogLevel, std::string_view) { throw std::runtime_error("full"); };
   World other(scene, options);
-  EXPECT_THROW(test::run(other, 2 * kSteps), std::runtime_error);
+  EXPECT_THROW(test::run(other, 2 * kFewSteps), std::runtime_error);
   while (other.stepCount() < world.stepCount()) {
     try {
       other.step();
@@ -312,7 +312,7 @@ TEST(Log, IsCalledOnTheThreadThatCalledTheWorld) {
         ++lines, elsewhere += std::this_thread::get_id() != own;
       };
       World world(breakingScene(), options);
-      test::run(world, 2 * kSteps);
+      test::run(world, 2 * kFewSteps);
       EXPECT_GT(lines, 0);
       EXPECT_EQ(elsewhere, 0);
     });
@@ -329,7 +329,7 @@ TEST(Log, OfABatchHasTheReportOfAllItsWorldsAndWarnsOnceForAll) {
   Worlds worlds(options);
   worlds.addCopies(breakingScene(), kWorlds);
   std::size_t notable = 0;
-  for (int k = 0; k < 2 * kSteps; ++k) {
+  for (int k = 0; k < 2 * kFewSteps; ++k) {
     for (int w = 1; w < kWorlds; ++w) worlds[w].applyForce(worlds[w].bodyAt(0), {1, 0, 0});
     const WorldsReport report = worlds.step();
     notable += report.grown.size() + (report.brokenJoints > 0);

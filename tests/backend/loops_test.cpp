@@ -14,7 +14,7 @@
 namespace rubble {
 namespace {
 
-const test::ManyThreads kManyThreads(8);
+const test::ManyThreads kThreadsOfLoops(8);
 
 /// A host that runs tasks one after another, the last one first.
 TaskSystem backward(int parts) {

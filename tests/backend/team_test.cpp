@@ -15,7 +15,7 @@
 namespace rubble {
 namespace {
 
-constexpr int kThreads = 4;
+constexpr int kOfTeam = 4;
 
 /// task(k) for k = 0 .. n - 1 on a crew.
 template <class Task> void forEach(Crew& crew, int n, const Task& task) {
@@ -26,7 +26,7 @@ template <class Task> void forEach(Crew& crew, int n, const Task& task) {
 }
 
 TEST(Team, DoesEachTaskOnce) {
-  Team team(kThreads);
+  Team team(kOfTeam);
   for (int count = 0; count < 300; ++count) {
     std::vector<int> done(static_cast<std::size_t>(count));
     team.run([&](Crew& crew) { forEach(crew, count, [&](int k) { ++done[static_cast<std::size_t>(k)]; }); });
@@ -35,7 +35,7 @@ TEST(Team, DoesEachTaskOnce) {
 }
 
 TEST(Team, HasSeenAllWritesOfALoopBeforeTheNext) {
-  Team team(kThreads);
+  Team team(kOfTeam);
   constexpr int kCount = 64;
   std::vector<long long> a(kCount, 1), b(kCount);
   long long expected = 1;
@@ -53,7 +53,7 @@ TEST(Team, HasSeenAllWritesOfALoopBeforeTheNext) {
 }
 
 TEST(Team, RunsOnTheCallingThreadAloneInsideOfALoopOfItsOwn) {
-  Team team(kThreads), other(kThreads);
+  Team team(kOfTeam), other(kOfTeam);
   std::atomic<int> done{0};
   team.run([&](Crew& crew) {
     forEach(crew, 8, [&](int) {
@@ -68,7 +68,7 @@ TEST(Team, RunsOnTheCallingThreadAloneInsideOfALoopOfItsOwn) {
 }
 
 TEST(Team, ServesTwoThreadsAtOnce) {
-  Team team(kThreads);
+  Team team(kOfTeam);
   std::atomic<int> done{0};
   const auto work = [&] {
     for (int loop = 0; loop < 200; ++loop)
@@ -81,7 +81,7 @@ TEST(Team, ServesTwoThreadsAtOnce) {
 }
 
 TEST(Team, ThrowsTheFirstExceptionWhenAllIsDoneAndGoesOn) {
-  Team team(kThreads);
+  Team team(kOfTeam);
   std::atomic<int> done{0};
   const auto run = [&](bool throws) {
     team.run([&](Crew& crew) {

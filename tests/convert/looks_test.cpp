@@ -13,14 +13,9 @@ namespace {
 using convert::Effect;
 using convert::Import;
 using test::bodyNamed;
+using test::expectNear;
 using test::importText;
 using test::mjcf;
-
-constexpr double kClose = 1e-12;
-
-void expectNear(const Vec3& a, const Vec3& b, double tolerance = kClose) {
-  EXPECT_LE(length(a - b), tolerance) << a.x << " " << a.y << " " << a.z;
-}
 
 /// The look of a body; none: an empty one.
 Look lookOf(const Import& model, const std::string& body) {

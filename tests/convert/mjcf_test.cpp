@@ -17,14 +17,14 @@ using test::importText;
 using test::jointNamed;
 using test::mjcf;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(Mjcf, AnglesAreDegreesUnlessTheCompilerSaysRadian) {
   const std::string
       body = "<body name='b' euler='0 0 90'><joint name='j' range='-90 45'/><geom size='1'/></body>";
   const Import degrees = importText(mjcf(body));
-  EXPECT_NEAR(jointNamed(degrees, "j").axes[0].min, -kPi / 2, 1e-12);
-  EXPECT_NEAR(jointNamed(degrees, "j").axes[0].max, kPi / 4, 1e-12);
+  EXPECT_NEAR(jointNamed(degrees, "j").axes[0].min, -pi / 2, 1e-12);
+  EXPECT_NEAR(jointNamed(degrees, "j").axes[0].max, pi / 4, 1e-12);
   expectNear(rotate(bodyNamed(degrees, "b").orientation, {1, 0, 0}), {0, 1, 0});
   const Import radians = importText(mjcf(body, "<compiler angle='radian'/>"));
   EXPECT_NEAR(jointNamed(radians, "j").axes[0].max, 45, 1e-12);
@@ -41,9 +41,9 @@ TEST(Mjcf, LimitsAreMeasuredFromTheReferenceOfTheJoint) {
   const Import model = importText(mjcf(
       "<body><joint name='j' range='0 90' ref='30' springref='60' stiffness='2'/><geom size='1'/></body>"));
   const JointAxis& axis = jointNamed(model, "j").axes[0];
-  EXPECT_NEAR(axis.min, -kPi / 6, 1e-12);
-  EXPECT_NEAR(axis.max, kPi / 3, 1e-12);
-  EXPECT_NEAR(axis.targetPosition, kPi / 6, 1e-12);
+  EXPECT_NEAR(axis.min, -pi / 6, 1e-12);
+  EXPECT_NEAR(axis.max, pi / 3, 1e-12);
+  EXPECT_NEAR(axis.targetPosition, pi / 6, 1e-12);
   EXPECT_DOUBLE_EQ(axis.driveStiffness, 2);
 }
 
@@ -105,8 +105,8 @@ TEST(Mjcf, TwoHingesOfOneBodyAreOneJointWithTwoFreeAxes) {
            "range='-30 40'/><geom size='1'/></body>"));
   const JointDef& joint = jointNamed(model, "u+v");
   EXPECT_EQ(joint.type, JointType::SixDof);
-  EXPECT_NEAR(joint.axes[3].max, 40 * kPi / 180, 1e-12);
-  EXPECT_NEAR(joint.axes[5].max, 20 * kPi / 180, 1e-12);
+  EXPECT_NEAR(joint.axes[3].max, 40 * pi / 180, 1e-12);
+  EXPECT_NEAR(joint.axes[5].max, 20 * pi / 180, 1e-12);
   for (const std::size_t i : {0u, 1u, 2u, 4u}) EXPECT_EQ(joint.axes[i].min, joint.axes[i].max) << i;
   EXPECT_EQ(model.file.scene.bodies.size(), 1u);
 }

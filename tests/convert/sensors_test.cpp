@@ -13,6 +13,7 @@ namespace {
 
 using convert::Effect;
 using convert::Import;
+using test::expectNear;
 using test::importText;
 using test::mjcf;
 
@@ -47,10 +48,6 @@ class Readings {
   World world_;
   std::unique_ptr<Sensors> sensors_;
 };
-
-void expectNear(const Vec3& a, const Vec3& b, double tolerance) {
-  EXPECT_LE(length(a - b), tolerance) << a.x << " " << a.y << " " << a.z;
-}
 
 TEST(SensorsOfModels, AHangingBodyShowsItsWeight) {
   // 2 kg at 0.5 m below a hinge, and a site that is turned by 90 degrees about x

@@ -17,10 +17,10 @@ using convert::Import;
 using test::bodyNamed;
 using test::jointNamed;
 
-constexpr double kPi = std::numbers::pi;
-const std::string kModels = std::string(RUBBLE_SOURCE_DIR) + "/tests/convert/models/";
+using std::numbers::pi;
+const std::string kFolder = std::string(RUBBLE_SOURCE_DIR) + "/tests/convert/models/";
 
-void expectNear(const Vec3& a, const Vec3& b, double tolerance = 1e-9) {
+void expectClose(const Vec3& a, const Vec3& b, double tolerance = 1e-9) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], tolerance) << "axis " << k;
 }
 std::string usda(const std::string& prims, const std::string& settings = "upAxis = \"Z\" metersPerUnit = 1") {
@@ -108,23 +108,23 @@ TEST(Usd, UnitsAndTheUpAxisBecomeMetersAndZ) {
                "def PhysicsScene \"s\" { vector3f physics:gravityDirection = (0, 0, 1) "
                "float physics:gravityMagnitude = 500 }",
            "upAxis = \"Y\" metersPerUnit = 0.01 kilogramsPerUnit = 0.001"));
-  expectNear(bodyNamed(model, "b").position, {1, -3, 2});
+  expectClose(bodyNamed(model, "b").position, {1, -3, 2});
   EXPECT_NEAR(*bodyNamed(model, "b").mass, 1e-3, 1e-15);
   EXPECT_NEAR(bodyNamed(model, "b").shape.radius, .005, 1e-12);
-  expectNear(model.file.scene.gravity, {0, -5, 0});
+  expectClose(model.file.scene.gravity, {0, -5, 0});
 }
 
 TEST(Usd, AMachineHasItsBodiesJointsAndFilters) {
-  const Import model = convert::importModel(kModels + "machine.usda");
+  const Import model = convert::importModel(kFolder + "machine.usda");
   EXPECT_EQ(bodyNamed(model, "Machine/Gate").motion, Motion::Kinematic);
   const JointDef& axle = jointNamed(model, "Machine/Joints/FrontAxle");
   EXPECT_EQ(axle.type, JointType::Hinge);
-  EXPECT_NEAR(axle.axes[0].targetSpeed, kPi / 2, 1e-6);
-  EXPECT_NEAR(axle.axes[0].driveDamping, 40 * 1e-4 * 180 / kPi, 1e-9);
+  EXPECT_NEAR(axle.axes[0].targetSpeed, pi / 2, 1e-6);
+  EXPECT_NEAR(axle.axes[0].driveDamping, 40 * 1e-4 * 180 / pi, 1e-9);
   EXPECT_NEAR(axle.axes[0].maxDriveForce, 20, 1e-6);
   EXPECT_EQ(jointNamed(model, "Machine/Joints/LiftSlide").type, JointType::Slider);
   EXPECT_EQ(jointNamed(model, "Machine/Joints/Shoulder").type, JointType::SwingTwist);
-  EXPECT_NEAR(jointNamed(model, "Machine/Joints/Shoulder").swingZ, 40 * kPi / 180, 1e-6);
+  EXPECT_NEAR(jointNamed(model, "Machine/Joints/Shoulder").swingZ, 40 * pi / 180, 1e-6);
   EXPECT_NEAR(jointNamed(model, "Machine/Joints/Leash").axes[0].max, .6, 1e-9);
   EXPECT_EQ(jointNamed(model, "Machine/Joints/Guide").type, JointType::SixDof);
   EXPECT_EQ(model.file.scene.exclusions.size(), 3u);
@@ -141,7 +141,7 @@ TEST(Usd, VariantsInheritsAndOverridesCompose) {
   EXPECT_NEAR(bodyNamed(model, "a").shape.radius, .5, 1e-12);
   EXPECT_NEAR(bodyNamed(model, "b").shape.radius, 2, 1e-12);
   EXPECT_NEAR(*bodyNamed(model, "b").mass, 1, 1e-12);
-  expectNear(bodyNamed(model, "b").position, {0, 0, 9});
+  expectClose(bodyNamed(model, "b").position, {0, 0, 9});
 }
 
 TEST(Usd, ReferencesStayInsideOfTheFolderAndEnd) {
@@ -149,7 +149,7 @@ TEST(Usd, ReferencesStayInsideOfTheFolderAndEnd) {
   folder.write("part.usda", usda(ball("part"), "defaultPrim = \"part\""));
   const std::string inside = folder.write(
       "a.usda", usda("def \"x\" ( references = @part.usda@ ) { " + at("(1, 0, 0)") + " }"));
-  expectNear(bodyNamed(convert::importModel(inside), "x").position, {1, 0, 0});
+  expectClose(bodyNamed(convert::importModel(inside), "x").position, {1, 0, 0});
   const Import outside = convert::importModel(
       folder.write("b.usda", usda("def \"x\" ( references = @../../../etc/passwd@ ) { }")));
   EXPECT_EQ(outside.report.count(Effect::Lost), 1u);
@@ -196,13 +196,13 @@ TEST(Usd, PackagesAreReadAsFoldersAre) {
   for (const bool inMemory : {false, true}) {
     const Import model = inMemory ? convert::importContent(package, "model")
                                   : convert::importModel(folder.write("model.usdz", package));
-    expectNear(bodyNamed(model, "x").position, {1, 0, 0});
+    expectClose(bodyNamed(model, "x").position, {1, 0, 0});
     EXPECT_EQ(model.report.count(Effect::Lost), 1u);  // no file outside of the package
   }
   const std::string outer = folder.write("outer.usda", usda("def \"z\" ( references = @model.usdz@ ) { }"));
-  expectNear(bodyNamed(convert::importModel(outer), "z").position, {1, 0, 0});
+  expectClose(bodyNamed(convert::importModel(outer), "z").position, {1, 0, 0});
   const std::string bracketed = folder.write("a.usdz[1]/model.usdz", package);
-  expectNear(bodyNamed(convert::importModel(bracketed), "x").position, {1, 0, 0});
+  expectClose(bodyNamed(convert::importModel(bracketed), "x").position, {1, 0, 0});
   EXPECT_THROW(convert::importContent(zipped({{"whole.usda", whole}}, 8), "packed"), Error);
   for (std::size_t size = 4; size < package.size(); size += 7)
     EXPECT_THROW(convert::importContent(package.substr(0, size), "torn"), Error);
@@ -219,11 +219,11 @@ TEST(Usd, AnInstancerGivesABodyForEachInstance) {
            "def Scope \"Prototypes\" { " +
            ball("a", at("(0, 0, 1)")) + ball("b") + "} }"));
   EXPECT_EQ(model.file.scene.bodies.size(), 3u);
-  expectNear(bodyNamed(model, "grid/a_0").position, {1, 0, 11});
-  expectNear(bodyNamed(model, "grid/b_1").position, {2, 0, 10});
+  expectClose(bodyNamed(model, "grid/a_0").position, {1, 0, 11});
+  expectClose(bodyNamed(model, "grid/b_1").position, {2, 0, 10});
   EXPECT_NEAR(bodyNamed(model, "grid/b_1").shape.radius, 1, 1e-12);
   const BodyDef& last = bodyNamed(model, "grid/a_2");
-  expectNear(last.position, {0, 3, 11}), expectNear(last.velocity, {0, 0, 5});
+  expectClose(last.position, {0, 3, 11}), expectClose(last.velocity, {0, 0, 5});
   EXPECT_NEAR(std::fabs(last.orientation.v.z), 1, 1e-12);
   EXPECT_THROW(
       import(usda("def PointInstancer \"g\" { rel prototypes = [</none>] int[] protoIndices = [0] }")),
@@ -278,8 +278,8 @@ TEST(Usd, JointsOfInstancesJoinTheBodiesOfTheirOwnInstance) {
                   &b = scene.bodies[static_cast<std::size_t>(joint.bodyB)];
     EXPECT_EQ(a.name, hand + "/finger");
     EXPECT_EQ(b.name, hand + "/palm");
-    expectNear(a.position + rotate(a.orientation, joint.anchorA),
-               b.position + rotate(b.orientation, joint.anchorB));
+    expectClose(a.position + rotate(a.orientation, joint.anchorA),
+                b.position + rotate(b.orientation, joint.anchorB));
   }
   EXPECT_EQ(test::effectsOf(model, "PhysicsFixedJoint 'stray'"), (std::vector<Effect>(2, Effect::Lost)));
 }
@@ -318,7 +318,7 @@ TEST(Usd, ADistanceJointHangsFromAStaticColliderWhereItStands) {
     SCOPED_TRACE(name);
     const std::vector<Vec3> points = pointsOf(jointNamed(model, name));
     ASSERT_EQ(points.size(), 2u);
-    expectNear(points[0], {0, 0, 0}), expectNear(points[1], {0, 0, 4});
+    expectClose(points[0], {0, 0, 0}), expectClose(points[1], {0, 0, 4});
   }
   EXPECT_DOUBLE_EQ(jointNamed(model, "guide").breakForce, 70);
   EXPECT_DOUBLE_EQ(jointNamed(model, "guide/distance").breakForce, 70);
@@ -369,17 +369,17 @@ TEST(Usd, ErrorsNameFileAndLine) {
 }
 
 TEST(Gltf, AGateHasItsBodiesJointAndFilters) {
-  const Import model = convert::importModel(kModels + "gate.gltf");
+  const Import model = convert::importModel(kFolder + "gate.gltf");
   const BodyDef& crate = bodyNamed(model, "crate");
   EXPECT_NEAR(*crate.mass, 5, 1e-12);
-  expectNear(crate.position, {0, 0, 2});
-  expectNear(crate.shape.halfExtents, {.5, .3, .35});
-  expectNear(crate.angularVelocity, {0, 0, 2}, 1e-6);
+  expectClose(crate.position, {0, 0, 2});
+  expectClose(crate.shape.halfExtents, {.5, .3, .35});
+  expectClose(crate.angularVelocity, {0, 0, 2}, 1e-6);
   EXPECT_DOUBLE_EQ(crate.gravityScale, .5);
   const JointDef& hinge = jointNamed(model, "hinge");
   EXPECT_EQ(hinge.type, JointType::SixDof);
   EXPECT_EQ(hinge.bodyB, kWorld);
-  expectNear(hinge.anchorB, {3.3, 0, 1});
+  expectClose(hinge.anchorB, {3.3, 0, 1});
   EXPECT_DOUBLE_EQ(hinge.axes[4].max, .5);
   EXPECT_DOUBLE_EQ(hinge.axes[4].driveStiffness, 3);
   EXPECT_EQ(model.file.scene.exclusions.size(), 1u);

@@ -6,10 +6,6 @@
 namespace rubble::RUBBLE_CORE {
 namespace {
 
-StepConstants constants() {
-  StepConstants c = testConstants();
-  return c;
-}
 AxisSpec nothing() { return {-kNoLimit, kNoLimit, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0, 0, 0, 0}; }
 AxisSituation at(Real value, Real change = 0) { return {value, 0, change, 0, 1, 1, 1, kHardValue, 1}; }
 
@@ -21,12 +17,12 @@ Real settled(const StepConstants& c, AxisRows& rows, Real value, int updates = 4
 
 TEST(Axis, WithNothingOnItDoesNotAct) {
   AxisRows rows{};
-  beginAxis(constants(), nothing(), rows, at(3));
+  beginAxis(testConstants(), nothing(), rows, at(3));
   EXPECT_FALSE(actsAtAll(rows));
 }
 
 TEST(Axis, LimitPushesBackOnEitherSideOnly) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.lo = -1, spec.hi = 2;
   for (const Real value : {-1.5, 0., 2.5}) {
@@ -41,7 +37,7 @@ TEST(Axis, LimitPushesBackOnEitherSideOnly) {
 }
 
 TEST(Axis, MultiplierOfAHardLimitDecaysByAlphaGamma) {
-  StepConstants c = constants();
+  StepConstants c = testConstants();
   c.alpha = .9, c.gamma = .8;
   AxisSpec spec = nothing();
   spec.hi = 2;
@@ -53,7 +49,7 @@ TEST(Axis, MultiplierOfAHardLimitDecaysByAlphaGamma) {
 }
 
 TEST(Axis, LimitThatStaysOpenIsInactive) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.hi = 1;
   AxisRows rows{};
@@ -66,7 +62,7 @@ TEST(Axis, LimitThatStaysOpenIsInactive) {
 }
 
 TEST(Axis, LimitNearbyIsWatchedWithoutStiffnessUntilItIsCrossed) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.hi = 1;
   AxisRows rows{};
@@ -84,7 +80,7 @@ TEST(Axis, LimitNearbyIsWatchedWithoutStiffnessUntilItIsCrossed) {
 
 /// A contact may drive a joint to its limit however slow it was before.
 TEST(Axis, LimitForgetsWhatFirstLoadsItAndKeepsWhatFollows) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.hi = 1;
   AxisRows rows{};
@@ -102,7 +98,7 @@ TEST(Axis, LimitForgetsWhatFirstLoadsItAndKeepsWhatFollows) {
 }
 
 TEST(Axis, LimitForgivesExcessButNoGap) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.lo = -1, spec.hi = 1;
   AxisRows rows{};
@@ -114,7 +110,7 @@ TEST(Axis, LimitForgivesExcessButNoGap) {
 }
 
 TEST(Axis, EqualLimitsLockIt) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.lo = spec.hi = .3;
   AxisRows rows{};
@@ -127,7 +123,7 @@ TEST(Axis, EqualLimitsLockIt) {
 }
 
 TEST(Axis, SoftLimitIsASpringAndADamperBeyondIt) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.hi = 1;
   spec.limitStiffness = 200, spec.limitDamping = 10;
@@ -137,7 +133,7 @@ TEST(Axis, SoftLimitIsASpringAndADamperBeyondIt) {
 }
 
 TEST(Axis, DriveIsASpringAndADamperWithALargestForce) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.target = 2, spec.speed = .6;
   spec.driveStiffness = 40, spec.driveDamping = 5;
@@ -152,7 +148,7 @@ TEST(Axis, DriveIsASpringAndADamperWithALargestForce) {
 }
 
 TEST(Axis, MotorKeepsItsSpeedAndLeavesPositionAlone) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.speed = 3;
   spec.driveDamping = kHardValue;
@@ -167,7 +163,7 @@ TEST(Axis, MotorKeepsItsSpeedAndLeavesPositionAlone) {
 }
 
 TEST(Axis, FrictionResistsAnyMotionUpToItsBound) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.friction = 4;
   for (const Real way : {-.2, .2}) {
@@ -179,7 +175,7 @@ TEST(Axis, FrictionResistsAnyMotionUpToItsBound) {
 }
 
 TEST(Axis, MultiplierOfAnImpactIsNotWarmStarted) {
-  StepConstants c = constants();
+  StepConstants c = testConstants();
   c.impactRule = true;
   AxisSpec spec = nothing();
   spec.hi = 1;
@@ -193,7 +189,7 @@ TEST(Axis, MultiplierOfAnImpactIsNotWarmStarted) {
 }
 
 TEST(Axis, CountsTurnsOutOfItsLimits) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.hi = 10;
   AxisRows rows{};
@@ -207,7 +203,7 @@ TEST(Axis, CountsTurnsOutOfItsLimits) {
 }
 
 TEST(Axis, RotorIsAnInertiaADamperAndAForceByImplicitEuler) {
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   AxisSpec spec = nothing();
   spec.armature = .3, spec.damping = .7, spec.force = 2;
   AxisRows rows{};

@@ -16,11 +16,6 @@ using test::eigen;
 using test::Random;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-StepConstants constants() {
-  StepConstants c = testConstants();
-  return c;
-}
-
 Displacement displacement(const Vec6& d) { return {d.lin, 0, d.ang, 0}; }
 
 struct ContactCase {
@@ -181,7 +176,7 @@ TEST(Contact, LimitsTheNormalForceToItsCeiling) {
 
 TEST(Contact, DualUpdateTakesOverTheForcesAndKeepsThemInTheCone) {
   Random random(5);
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   int sliding = 0;
   for (int n = 0; n < 40; ++n) {
     ContactCase x = randomContact(random, .4);
@@ -212,7 +207,7 @@ TEST(Contact, DualUpdateTakesOverTheForcesAndKeepsThemInTheCone) {
 
 TEST(Contact, DeepInOneAnotherItsStiffnessFollowsNoLoad) {
   Random random(8);
-  StepConstants c = constants();
+  StepConstants c = testConstants();
   c.contactPolicy = StiffnessPolicy::FollowLoad;
   ContactCase x = randomContact(random, .4);
   ContactRows& r = x.rows;
@@ -231,7 +226,7 @@ TEST(Contact, DeepInOneAnotherItsStiffnessFollowsNoLoad) {
 
 TEST(Contact, FourLanesEqualSinglePoints) {
   Random random(6);
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   for (int n = 0; n < 40; ++n) {
     const ContactCase x = randomContact(random, .4);
     const Displacement a = displacement(x.a), b = displacement(x.b);
@@ -262,7 +257,7 @@ TEST(Contact, FourLanesEqualSinglePoints) {
 
 TEST(ContactPair, HasTheBitsOfEachContactAlone) {
   Random random(7);
-  const StepConstants c = constants();
+  const StepConstants c = testConstants();
   for (int n = 0; n < 40; ++n) {
     ContactCase x[2] = {randomContact(random, .4), randomContact(random, .4)};
     const Displacement a[2] = {displacement(x[0].a), displacement(x[1].a)},

@@ -7,15 +7,12 @@
 #include "tests/support/core.h"
 #include "tests/support/eigen.h"
 #include "tests/support/random.h"
+#include "tests/support/typed.h"
 
 namespace rubble::RUBBLE_CORE {
 namespace {
 
 using test::Random;
-
-Vec3 randomPoint(Random& random, Real size) {
-  return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
-}
 
 /// An element with constants at rest, and the place of its corners at rest.
 template <class F> struct Case {
@@ -27,7 +24,7 @@ template <class F> struct Case {
 template <class F> Case<F> makeCase(Random& random, Real) {
   Case<F> c;
   c.element.set(typename F::Model{});
-  for (Vec3& p : c.rest) p = randomPoint(random, .1);
+  for (Vec3& p : c.rest) p = random.vector(.1);
   return c;
 }
 
@@ -35,7 +32,7 @@ template <> Case<Tetrahedron> makeCase(Random& random, Real damping) {
   Case<Tetrahedron> c;
   Vec3* const x = c.rest;
   x[0] = {0, 0, 0}, x[1] = {.1, 0, 0}, x[2] = {.02, .12, 0}, x[3] = {.03, .02, .09};
-  for (Vec3& p : c.rest) p += randomPoint(random, .01);
+  for (Vec3& p : c.rest) p += random.vector(.01);
   const Vec3 e1 = x[1] - x[0], e2 = x[2] - x[0], e3 = x[3] - x[0];
   const Real det = dot(e1, cross(e2, e3));
   Tetrahedron& t = c.element;
@@ -65,34 +62,28 @@ template <int N> void setBend(QuadraticBend<N>& b, Random& random) {
 template <> Case<FlatBend> makeCase(Random& random, Real) {
   Case<FlatBend> c;
   setBend<4>(c.element, random);
-  for (Vec3& p : c.rest) p = randomPoint(random, .1);
+  for (Vec3& p : c.rest) p = random.vector(.1);
   return c;
 }
 template <> Case<LineBend> makeCase(Random& random, Real) {
   Case<LineBend> c;
   setBend<3>(c.element, random);
-  for (Vec3& p : c.rest) p = randomPoint(random, .1);
+  for (Vec3& p : c.rest) p = random.vector(.1);
   return c;
 }
 template <> Case<FoldBend> makeCase(Random& random, Real damping) {
   Case<FoldBend> c;
   c.rest[0] = {0, 0, 0}, c.rest[1] = {.1, 0, 0}, c.rest[2] = {.04, .09, .02}, c.rest[3] = {.05, -.07, .04};
-  for (Vec3& p : c.rest) p += randomPoint(random, .01);
+  for (Vec3& p : c.rest) p += random.vector(.01);
   c.element.stiffness = 2, c.element.damping = damping * .01, c.element.restAngle = .4;
   return c;
 }
 template <> Case<Spring> makeCase(Random& random, Real damping) {
   Case<Spring> c;
-  c.rest[0] = {0, 0, 0}, c.rest[1] = randomPoint(random, .3) + Vec3{.5, 0, 0};
+  c.rest[0] = {0, 0, 0}, c.rest[1] = random.vector(.3) + Vec3{.5, 0, 0};
   c.element.stiffness = 1000, c.element.damping = damping * 5, c.element.restLength = .4, c.element.mass = .1,
   c.element.bound = 1e30;
   c.element.lambda = random.uniform(-5, 20);
-  return c;
-}
-
-StepConstants constants() {
-  StepConstants c = testConstants();
-  c.compliantRows = true;
   return c;
 }
 
@@ -105,14 +96,14 @@ template <class F> Moved<F> moved(Random& random, Real damping, Real size) {
   Case<F> c = makeCase<F>(random, damping);
   Moved<F> m;
   m.element = c.element;
-  m.element.begin(constants(), c.rest);
-  for (int k = 0; k < F::kCorners; ++k) m.x[k] = c.rest[k] + randomPoint(random, size);
+  m.element.begin(testConstants(), c.rest);
+  for (int k = 0; k < F::kCorners; ++k) m.x[k] = c.rest[k] + random.vector(size);
   return m;
 }
 
 template <class F> Block3 stamped(const F& e, const Vec3 (&x)[F::kCorners], int corner) {
   Block3 b;
-  e.accumulate(constants(), x, corner, b);
+  e.accumulate(testConstants(), x, corner, b);
   return b;
 }
 
@@ -122,9 +113,7 @@ template <class List> struct InnerOf;
 template <class... F> struct InnerOf<TypeList<F...>> {
   using List = typename SelectLoads<false, TypeList<>, F...>::Type;
 };
-template <class List> struct AsTypes;
-template <class... F> struct AsTypes<TypeList<F...>> { using Types = testing::Types<F...>; };
-TYPED_TEST_SUITE(Element, AsTypes<InnerOf<ElementTypes>::List>::Types);
+TYPED_TEST_SUITE(Element, test::AsTypes<InnerOf<ElementTypes>::List>::Types);
 
 TYPED_TEST(Element, ForceIsMinusTheGradientOfTheEnergy) {
   Random random(1);
@@ -138,7 +127,7 @@ TYPED_TEST(Element, ForceIsMinusTheGradientOfTheEnergy) {
         const auto at = [&](Real s) {
           const Vec3 kept = m.x[corner];
           m.x[corner][axis] += s * h;
-          const Real e = m.element.energy(constants(), m.x);
+          const Real e = m.element.energy(testConstants(), m.x);
           m.x[corner] = kept;
           return e;
         };
@@ -161,7 +150,7 @@ TYPED_TEST(Element, HessianIsTheDerivativeOfTheForceWhereItIsComplete) {
     for (int n = 0; n < 40; ++n) {
       auto m = moved<TypeParam>(random, 0, .02);
       if constexpr (std::is_same_v<TypeParam, Spring>)
-        if (m.element.evaluate(constants(), m.x).force <= 0) continue;
+        if (m.element.evaluate(testConstants(), m.x).force <= 0) continue;
       if constexpr (std::is_same_v<TypeParam, Membrane>) m.element.lambda[0] = 5;
       for (int corner = 0; corner < TypeParam::kCorners; ++corner) {
         const Sym3 h = stamped(m.element, m.x, corner).h;
@@ -235,7 +224,7 @@ TYPED_TEST(Element, RestsInItsRestShapeAndHasNoViscousForceInARigidMotion) {
       Case<TypeParam> c = makeCase<TypeParam>(random, 1);
       if constexpr (TypeParam::kHasDual)
         for (Real& l : c.element.lambda) l = 0;
-      c.element.begin(constants(), c.rest);
+      c.element.begin(testConstants(), c.rest);
       const Quat q = random.rotation();
       Vec3 x[TypeParam::kCorners];
       for (int k = 0; k < TypeParam::kCorners; ++k) x[k] = rotate(q, c.rest[k]);
@@ -251,16 +240,16 @@ TEST(Tetrahedron, HasTheSmallStrainLimitOfLame) {
   const Case<Tetrahedron> c = makeCase<Tetrahedron>(random, 0);
   const Real mu = c.element.mu, lame = c.element.lambda - mu;
   const Vec3 none[4] = {c.rest[0], c.rest[1], c.rest[2], c.rest[3]};
-  const Real atRest = c.element.energy(constants(), none);
+  const Real atRest = c.element.energy(testConstants(), none);
   for (int n = 0; n < 10; ++n) {
     constexpr Real kSmall = 1e-4;
-    const Vec3 a = randomPoint(random, kSmall), b = randomPoint(random, kSmall);
+    const Vec3 a = random.vector(kSmall), b = random.vector(kSmall);
     const Sym3 eps{a.x, b.x, b.y, a.y, b.z, a.z};
     Vec3 x[4];
     for (int k = 0; k < 4; ++k) x[k] = c.rest[k] + eps * c.rest[k];
     const Real size2 = dot(a, a) + 2 * dot(b, b), trace = a.x + a.y + a.z;
     const Real expected = mu * size2 + lame / 2 * trace * trace;
-    EXPECT_NEAR(c.element.energy(constants(), x) - atRest, expected, 2e-3 * expected);
+    EXPECT_NEAR(c.element.energy(testConstants(), x) - atRest, expected, 2e-3 * expected);
   }
 }
 
@@ -270,8 +259,8 @@ TEST(Spring, MultiplierConvergesToHookesLawAtAnyStiffness) {
     Case<Spring> c = makeCase<Spring>(random, 0);
     c.element.stiffness = stiffness, c.element.lambda = 0;
     for (int step = 0; step < 400; ++step) {
-      c.element.begin(constants(), c.rest);
-      for (int i = 0; i < 20; ++i) c.element.updateDual(constants(), c.rest);
+      c.element.begin(testConstants(), c.rest);
+      for (int i = 0; i < 20; ++i) c.element.updateDual(testConstants(), c.rest);
     }
     // what a step forgets of the multiplier it gets back from 1.2 g dt^2 / 20 of error
     // (docs/research/method.md, section 7)
@@ -298,7 +287,7 @@ Vec3 forceOn(const ClosedSurface& s, int corner) {
     for (int k = 0; k < 3; ++k)
       if (face[k] == corner) {
         Block3 block;
-        p.accumulate(constants(), x, k, block);
+        p.accumulate(testConstants(), x, k, block);
         sum += block.f;
       }
   });
@@ -309,11 +298,12 @@ TEST(Pressure, ForcesOnAClosedSurfaceAreThoseOfItsVolumeAndAddUpToNothing) {
   Random random(9);
   for (int n = 0; n < 20; ++n) {
     ClosedSurface s;
-    for (Vec3& x : s.x) x = randomPoint(random, 1) + Vec3{3, -2, 5};
+    for (Vec3& x : s.x) x = random.vector(1) + Vec3{3, -2, 5};
     const auto energy = [&] {
       Real sum = 0;
-      forEachFace(
-          s, [&](const Pressure& p, const int(&)[3], const Vec3(&x)[3]) { sum += p.energy(constants(), x); });
+      forEachFace(s, [&](const Pressure& p, const int(&)[3], const Vec3(&x)[3]) {
+        sum += p.energy(testConstants(), x);
+      });
       return sum;
     };
     const Real volume = dot(s.x[1] - s.x[0], cross(s.x[2] - s.x[0], s.x[3] - s.x[0])) / 6;

@@ -5,6 +5,7 @@
 
 #include "tests/forces/joint_cases.h"
 #include "tests/support/core.h"
+#include "tests/support/typed.h"
 
 namespace rubble::RUBBLE_CORE {
 namespace {
@@ -13,12 +14,10 @@ using test::Random;
 
 template <class F> struct JointTest : ::testing::Test {};
 
-template <class List> struct AsTypes;
-template <class... F> struct AsTypes<TypeList<F...>> { using Types = ::testing::Types<F...>; };
 struct JointNames {
   template <class F> static std::string GetName(int) { return F::kName; }
 };
-TYPED_TEST_SUITE(JointTest, AsTypes<JointTypes>::Types, JointNames);
+TYPED_TEST_SUITE(JointTest, test::AsTypes<JointTypes>::Types, JointNames);
 
 constexpr int kCases = 30;
 

@@ -14,10 +14,6 @@ using test::Random;
 
 constexpr Real kMu = 4e4, kYield = 3e3, kHardening = 1e4;  // [Pa]
 
-Vec3 randomPoint(Random& random, Real size) {
-  return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
-}
-
 TEST(FoldBend, TurnTakesTheShortWay) {
   EXPECT_NEAR(FoldBend::turn(.5, .2), .3, 1e-15);
   EXPECT_NEAR(FoldBend::turn(3, -3), 6 - 2 * std::numbers::pi, 1e-14);
@@ -34,7 +30,7 @@ struct Clay {
 Clay clay(Random& random, Real size, Real hardening = kHardening) {
   Clay c;
   c.x[0] = {0, 0, 0}, c.x[1] = {.1, 0, 0}, c.x[2] = {.02, .12, 0}, c.x[3] = {.03, .02, .09};
-  for (Vec3& p : c.x) p += randomPoint(random, .01);
+  for (Vec3& p : c.x) p += random.vector(.01);
   const Vec3 e1 = c.x[1] - c.x[0], e2 = c.x[2] - c.x[0], e3 = c.x[3] - c.x[0];
   const Real det = dot(e1, cross(e2, e3));
   Tetrahedron& t = c.element;
@@ -43,7 +39,7 @@ Clay clay(Random& random, Real size, Real hardening = kHardening) {
   t.mu = kMu * c.volume, t.lambda = 2e5 * c.volume;
   t.yield = kYield * c.volume, t.hardening = hardening * c.volume;
   t.steepest = 1e3 * t.steepness();
-  for (Vec3& p : c.x) p += randomPoint(random, .1 * size);
+  for (Vec3& p : c.x) p += random.vector(.1 * size);
   return c;
 }
 
@@ -166,7 +162,7 @@ TEST(Plasticity, ShapesStayFiniteWhereverCornersAreThrown) {
   for (int n = 0; n < 1000; ++n) {
     Clay c = clay(random, 0);
     for (int k = 0; k < 5; ++k) {
-      for (Vec3& p : c.x) p = randomPoint(random, n % 2 ? 1 : 100);
+      for (Vec3& p : c.x) p = random.vector(n % 2 ? 1 : 100);
       flow(c.element, c.x);
       ASSERT_TRUE(isFinite(c.element.m[0]) && isFinite(c.element.m[1]) && isFinite(c.element.m[2]) &&
                   isFinite(c.element.plasticStrain));

@@ -10,7 +10,7 @@
 namespace rubble::RUBBLE_CORE {
 namespace {
 
-struct Case {
+struct WrapCase {
   Vec3 from, to, axis, guide;
   double radius;
   bool guided;
@@ -35,7 +35,7 @@ template <class Claim> void forEachCase(Claim&& claim) {
   };
   int touching[2] = {};
   for (int i = 0; i < 3000; ++i) {
-    Case c{};
+    WrapCase c{};
     c.radius = .3 + .2 * any(random);
     if (i % 2 == 0) c.axis = direction();
     const auto outside = [&] {
@@ -56,7 +56,7 @@ template <class Claim> void forEachCase(Claim&& claim) {
 }
 
 TEST(TendonWrap, IsTheShortestWayAroundASphere) {
-  forEachCase([](const Case& c, int i) {
+  forEachCase([](const WrapCase& c, int i) {
     if (c.guided || lengthSquared(c.axis) > 0) return;
     const double a = length(c.from), b = length(c.to);
     const double turn = std::acos(dot(c.from, c.to) / (a * b)) - std::acos(c.radius / a) -
@@ -69,7 +69,7 @@ TEST(TendonWrap, IsTheShortestWayAroundASphere) {
 
 /// The way over any other point of the circle, of those between the ends, is longer.
 TEST(TendonWrap, AGuideInsideMakesItTouchWhereTheWayIsShortest) {
-  forEachCase([](const Case& c, int i) {
+  forEachCase([](const WrapCase& c, int i) {
     if (!c.guided || lengthSquared(c.axis) > 0) return;
     const Vec3 u = normalize(c.from), v = normalize(c.to);
     double shortest = 1e9;
@@ -84,7 +84,7 @@ TEST(TendonWrap, AGuideInsideMakesItTouchWhereTheWayIsShortest) {
 
 /// dL/dx of an end is the direction in which the tendon reaches it.
 TEST(TendonWrap, ItsLengthChangesAsItsStraightPiecesSay) {
-  forEachCase([](const Case& c, int i) {
+  forEachCase([](const WrapCase& c, int i) {
     const WrappedArc arc = wrapAround(c.from, c.to, c.axis, c.radius, c.guided ? &c.guide : nullptr);
     constexpr double kStep = 1e-6;
     for (int k = 0; k < 3; ++k) {
@@ -103,7 +103,7 @@ TEST(TendonWrap, ItsLengthChangesAsItsStraightPiecesSay) {
 /// Once around a half of a circle, on the side that the guide is on.
 TEST(TendonWrap, KeepsToTheSideOfItsGuide) {
   for (const double side : {1., -1.}) {
-    const Case c{{-2, .5, 0}, {2, .5, 0}, {0, 0, 1}, {0, 3 * side, 0}, 1, true};
+    const WrapCase c{{-2, .5, 0}, {2, .5, 0}, {0, 0, 1}, {0, 3 * side, 0}, 1, true};
     const WrappedArc arc = wrapAround(c.from, c.to, c.axis, c.radius, &c.guide);
     ASSERT_TRUE(arc.touches);
     EXPECT_GT(side * arc.begin.y, 0);

@@ -9,25 +9,17 @@
 #include "io/recording.h"
 #include "io/recording_format.h"
 #include "rubble/error.h"
+#include "tests/support/files.h"
 
 namespace rubble::io {
 namespace {
 
+using test::TemporaryFile;
+
 constexpr double kResolution = 1e-5;
+const std::string kEnding = ".rubble";
 
-/// A file that goes away with the test.
-struct TemporaryFile {
-  std::string path;
-  TemporaryFile() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    path = (std::filesystem::temp_directory_path() /
-            (std::string("rubble_") + info->name() + "_" + std::to_string(std::random_device{}())))
-               .string();
-  }
-  ~TemporaryFile() { std::filesystem::remove(path); }
-};
-
-std::vector<char> readAll(const std::string& path) {
+std::vector<char> bytesOf(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
@@ -98,7 +90,7 @@ void expectFrame(RecordingReader& reader, int index, const Trajectory& trajector
 }
 
 TEST(Recording, FramesComeBackInAnyOrder) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   const Trajectory trajectory = makeTrajectory(100);
   write(file.path, trajectory);
   RecordingReader reader(file.path);
@@ -147,7 +139,7 @@ void writeSoft(const std::string& path, const SoftTrajectory& trajectory) {
 }
 
 TEST(Recording, VerticesOfDeformableObjectsComeBack) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   const SoftTrajectory trajectory = makeSoftTrajectory(60);
   writeSoft(file.path, trajectory);
   RecordingReader reader(file.path);
@@ -165,7 +157,7 @@ TEST(Recording, VerticesOfDeformableObjectsComeBack) {
 }
 
 TEST(Recording, DeformableObjectsAreDrawnAsTheyWere) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   Scene scene;
   scene.deformables = {tetBox({0, 0, 1}, {.5, .5, .5}, {2, 2, 2}),
                        clothSheet({-1, -1, 2}, {2, 0, 0}, {0, 2, 0}, 4, 4),
@@ -213,7 +205,7 @@ TEST(Recording, FilesOfVersion1AreRead) {
 #endif
 
 TEST(Recording, AnAppearanceComesBack) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   RecordingHeader header{"seen", 1 / 60., {0, 0, -9.81}, kResolution};
   header.appearance.looks = {{0, {{Shape::sphere(.5), {1, 2, 3}, {}, Vec3{.25, .5, 1}}}}};
   header.appearance.daylight = {Vec3{0, 0, 1}, {1, 0.5, 0.25}, 0.5, 2};
@@ -235,7 +227,7 @@ TEST(Recording, AnAppearanceComesBack) {
 }
 
 TEST(Recording, AnEmptyRecordingIsGood) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   write(file.path, {});
   RecordingReader reader(file.path);
   EXPECT_TRUE(reader.complete());
@@ -243,7 +235,7 @@ TEST(Recording, AnEmptyRecordingIsGood) {
 }
 
 TEST(Recording, LongWaysAndLostStatesGetChunksOfTheirOwn) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   std::vector<RecordedBody> bodies{{"a", Shape::sphere(1), Motion::Dynamic, {0, 1}}};
   const std::vector<double> places{0, 1e9, -1e9, 5, std::nan(""), 6};
   {
@@ -271,7 +263,7 @@ TEST(Recording, QuaternionsKeepTheirRotation) {
 
 #if defined(RUBBLE_HAS_ZSTD)
 TEST(Recording, RestCostsNextToNothing) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   std::vector<RecordedBody> bodies;
   RecordedFrame frame;
   std::mt19937 random(5);
@@ -303,10 +295,10 @@ std::vector<std::size_t> sliceBoundaries(const std::vector<char>& bytes) {
 }
 
 TEST(Recording, AFileThatIsCutOffGivesItsWholeChunks) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   const Trajectory trajectory = makeTrajectory(100);
   write(file.path, trajectory);
-  const std::vector<char> bytes = readAll(file.path);
+  const std::vector<char> bytes = bytesOf(file.path);
   const std::vector<std::size_t> boundaries = sliceBoundaries(bytes);
   ASSERT_EQ(boundaries.size(), 10u);  // magic; HEAD BODY FRAM FRAM BODY FRAM FRAM INDX; end of INDX
   std::vector<std::size_t> sizes;
@@ -339,7 +331,7 @@ TEST(Recording, AFileThatIsCutOffGivesItsWholeChunks) {
 }
 
 TEST(Recording, AKilledRunLeavesWhatWasFlushed) {
-  const TemporaryFile file, copy;
+  const TemporaryFile file(kEnding), copy(kEnding);
   const Trajectory trajectory = makeTrajectory(70);
   RecordingWriter writer(file.path, {"a test", 1 / 60., {}, kResolution});
   for (std::size_t i = 0; i < trajectory.frames.size(); ++i)
@@ -365,10 +357,10 @@ bool readsThrough(const std::string& path) {
 }
 
 TEST(Recording, EveryFlippedBitIsNoticed) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   Trajectory trajectory = makeTrajectory(45);
   write(file.path, trajectory);
-  const std::vector<char> bytes = readAll(file.path);
+  const std::vector<char> bytes = bytesOf(file.path);
   ASSERT_TRUE(readsThrough(file.path));
   std::mt19937 random(11);
   for (std::size_t at = 0; at < bytes.size(); ++at) {
@@ -380,9 +372,9 @@ TEST(Recording, EveryFlippedBitIsNoticed) {
 }
 
 TEST(Recording, EveryFlippedBitIsNoticedBesideDeformableObjects) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   writeSoft(file.path, makeSoftTrajectory(45));
-  const std::vector<char> bytes = readAll(file.path);
+  const std::vector<char> bytes = bytesOf(file.path);
   ASSERT_TRUE(readsThrough(file.path));
   std::mt19937 random(17);
   for (std::size_t at = 0; at < bytes.size(); at += 11) {
@@ -405,7 +397,7 @@ TEST(Recording, ContentThatNoWriterMakesIsAnError) {
 }
 
 TEST(Recording, RubbishIsAnErrorAndNoCrash) {
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   std::mt19937 random(13);
   for (int round = 0; round < 200; ++round) {
     std::vector<char> bytes(random() % 400);
@@ -420,7 +412,7 @@ TEST(Recording, RubbishIsAnErrorAndNoCrash) {
 
 TEST(Recording, TheWriterSaysWhatIsWrong) {
   EXPECT_THROW(RecordingWriter("/nowhere/at/all.rubble", {}), Error);
-  const TemporaryFile file;
+  const TemporaryFile file(kEnding);
   RecordingWriter writer(file.path, {});
   EXPECT_THROW(writer.write({}, {0, 0, {RecordedPose{}}}), Error);
   EXPECT_THROW(writer.write({}, {0, 0, {}, {Vec3{}}}), Error);

@@ -10,7 +10,9 @@
 namespace rubble {
 namespace {
 
-constexpr double kGravity = 10, kHeight = 2;
+using test::kGravity;
+
+constexpr double kHeight = 2;
 
 WorldOptions optionsAt(double dt, int iterations = 4) {
   WorldOptions o = test::options(iterations);

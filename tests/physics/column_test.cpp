@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kIterations = 4, kLevels = 100, kSteps = 300;
 
-WorldOptions options() { return test::options(kIterations); }
+WorldOptions columnOptions() { return test::options(kIterations); }
 
 double heightOf(const World& world, int body) { return world.state(world.bodyAt(body)).position.z; }
 double sunk(const World& world, const Scene& scene, int body) {
@@ -37,7 +37,7 @@ Scene randomColumn(int levels) {
 
 TEST(Column, OfAHundredCubesSinksByLessThanTwentyMillimetres) {
   const Scene scene = test::tower(kLevels);
-  World world(scene, options());
+  World world(scene, columnOptions());
   test::run(world, kSteps);
   EXPECT_NEAR(sunk(world, scene, kLevels), 0, .02);
 }
@@ -46,14 +46,14 @@ TEST(Column, BearsAThousandTimesTheMassOfItsCubes) {
   constexpr int kLight = 40;
   Scene scene = test::tower(kLight + 1);
   scene.bodies.back().mass = 1000;
-  World world(scene, options());
+  World world(scene, columnOptions());
   test::run(world, kSteps);
   EXPECT_NEAR(sunk(world, scene, kLight + 1), 0, .06);
 }
 
 TEST(Column, OfRandomCubesStands) {
   const Scene scene = randomColumn(kLevels);
-  World world(scene, options());
+  World world(scene, columnOptions());
   test::run(world, kSteps);
   for (int i = 1; i <= kLevels; ++i) {
     EXPECT_NEAR(sunk(world, scene, i), 0, .02) << i;
@@ -69,7 +69,7 @@ TEST(Column, StandsWhereTheLargestCellsOfAggregatesMeet) {
   Scene scene = test::tower(kLevels);
   for (int i = 1; i <= kLevels; ++i)
     scene.bodies[std::size_t(i)].position.x = edge / 3 + (i % 2 == 0 ? aside : -aside);
-  World world(scene, options());
+  World world(scene, columnOptions());
   test::run(world, kSteps);
   EXPECT_NEAR(sunk(world, scene, kLevels), 0, .02);
 }
@@ -81,7 +81,7 @@ TEST(Column, StandsUnderABridgeOnThreeOfThem) {
   for (int k = 0; k < kColumns; ++k)
     for (int i = 0; i < kFew; ++i) scene.bodies.push_back(test::unitCube({3. * k, 0, .5 + i}));
   scene.bodies.push_back(test::body(Shape::box({4, .5, .25}), {3, 0, kFew + .25}));
-  World world(scene, options());
+  World world(scene, columnOptions());
   test::run(world, kSteps);
   EXPECT_NEAR(sunk(world, scene, kColumns * kFew + 1), 0, .02);
 }
@@ -89,7 +89,7 @@ TEST(Column, StandsUnderABridgeOnThreeOfThem) {
 TEST(Column, FallsFreelyOnceItsGroundIsGone) {
   constexpr int kFall = 30;
   const Scene scene = test::tower(kLevels);
-  World world(scene, options());
+  World world(scene, columnOptions());
   test::run(world, kSteps);
   world.removeBody(world.bodyAt(0));
   const double dt = world.params().dt, free = 10 * dt * dt * kFall * (kFall + 1) / 2;
@@ -103,7 +103,7 @@ TEST(Column, FallsFreelyOnceItsGroundIsGone) {
 TEST(Column, ClosesAGapWhereACubeIsTakenOut) {
   constexpr int kFew = 60, kOut = 30;
   const Scene scene = test::tower(kFew);
-  World world(scene, options());
+  World world(scene, columnOptions());
   test::run(world, kSteps / 2);
   world.removeBody(world.bodyAt(kOut));
   test::run(world, kSteps);
@@ -116,7 +116,7 @@ TEST(Column, DoesNotThrowBackACubeOfAHundredTimesTheMass) {
   BodyDef cube = test::unitCube({0, 0, kLevels + kHeight + .5});
   cube.mass = 100;
   scene.bodies.push_back(cube);
-  World world(scene, options());
+  World world(scene, columnOptions());
   for (int step = 0; step < kSteps; ++step) {
     world.step();
     EXPECT_LT(world.state(world.bodyAt(kLevels + 1)).velocity.z, kRebound) << step;

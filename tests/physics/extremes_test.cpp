@@ -91,7 +91,7 @@ struct Outcome {
   double gain = 0;  ///< largest rise of the energy over what is there [1]
   int quarantined = 0;
 };
-Outcome run(const Extreme& e, const char* backend) {
+Outcome outcomeOf(const Extreme& e, const char* backend) {
   WorldOptions options = test::options(e.iterations, backend);
   options.params.dt = e.dt;
   World world(e.scene, options);
@@ -122,7 +122,7 @@ TEST(Extremes, SinglePrecisionThrowsLittleMoreThanDouble) {
   Count single, exact;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const Extreme e = randomExtreme(seed);
-    const Outcome a = run(e, "cpu"), b = run(e, "reference");
+    const Outcome a = outcomeOf(e, "cpu"), b = outcomeOf(e, "reference");
     EXPECT_EQ(a.quarantined, 0) << seed;
     single.add(a.gain), exact.add(b.gain);
     if (a.gain > .01 || b.gain > .01)

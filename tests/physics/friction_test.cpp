@@ -11,8 +11,8 @@
 namespace rubble {
 namespace {
 
+using test::kDt;
 using test::options;
-constexpr double kDt = 1. / 60;
 
 /// Way of a cube down a slope, from rest [m].
 double wayDown(double slope, double friction, int iterations, int steps) {

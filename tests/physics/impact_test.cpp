@@ -7,8 +7,8 @@
 namespace rubble {
 namespace {
 
+using test::kDt;
 using test::options;
-constexpr double kDt = 1. / 60;
 
 /// A body of 1 kg runs at `speed` into one of `ratio` kg at rest; velocities after a second.
 struct HeadOn {

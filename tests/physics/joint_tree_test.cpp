@@ -12,7 +12,7 @@ namespace rubble {
 namespace {
 
 constexpr int kFew = 4;
-constexpr double kG = 10;
+using test::kGravity;
 
 /// Links of a kilogram below one another, the last of `heavy` kilograms, on ball joints from the origin.
 Scene hangingChain(int links, double heavy) {
@@ -35,7 +35,8 @@ TEST(JointTree, CarriesTheWholeLoadInTheFirstStep) {
   const std::vector<JointId> joints = world.joints();
   for (const int i : {0, 150, kLinks - 1}) {
     const JointState state = world.state(joints[static_cast<std::size_t>(i)]);
-    EXPECT_NEAR(length(state.force), (kLinks - 1 - i + kHeavy) * kG, .01 * (kLinks + kHeavy) * kG) << i;
+    EXPECT_NEAR(length(state.force), (kLinks - 1 - i + kHeavy) * kGravity, .01 * (kLinks + kHeavy) * kGravity)
+        << i;
     EXPECT_LT(state.gap, 1e-5) << i;
   }
 }
@@ -46,27 +47,13 @@ TEST(JointTree, AFreeChainFallsFreely) {
   World world(scene, test::options(kFew));
   constexpr int kSteps = 30;
   test::run(world, kSteps);
-  const double fallen = kG / 3600 * kSteps * (kSteps + 1) / 2;
+  const double fallen = kGravity / 3600 * kSteps * (kSteps + 1) / 2;
   for (const int i : {0, 25, 49}) {
     const BodyId id = world.bodyAt(i);
     EXPECT_NEAR(scene.bodies[static_cast<std::size_t>(i)].position.z - world.state(id).position.z, fallen,
                 1e-3 * fallen)
         << i;
   }
-}
-
-/// Largest distance of the bodies of two worlds of one scene over a run [m].
-double worstDistance(const Scene& scene, const WorldOptions& a, const WorldOptions& b, int steps) {
-  World first(scene, a), second(scene, b);
-  double worst = 0;
-  for (int k = 0; k < steps; ++k) {
-    first.step(), second.step();
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-      const BodyId id = first.bodyAt(static_cast<int>(i));
-      worst = std::max(worst, length(first.state(id).position - second.state(id).position));
-    }
-  }
-  return worst;
 }
 
 /// A tree with hinges and a weld, thrown: no two of its bodies in line.
@@ -96,7 +83,7 @@ Scene tumblingTree() {
 TEST(JointTree, EndsWhereManySweepsEnd) {
   WorldOptions sweeps = test::options(400, "reference");
   sweeps.params.tuning.jointTrees = sweeps.params.tuning.coarseCorrection = false;
-  EXPECT_LT(worstDistance(tumblingTree(), test::options(kFew), sweeps, 60), .02);
+  EXPECT_LT(test::worstDistance(tumblingTree(), test::options(kFew), sweeps, 60), .02);
 }
 
 TEST(JointedAggregate, SwingsAsFastAsTheTree) {
@@ -180,7 +167,7 @@ TEST(JointTree, ABrokenJointLetsGo) {
   test::run(world, 61);
   EXPECT_TRUE(world.state(world.joints()[4]).broken);
   const double fallen = scene.bodies[9].position.z - world.state(world.bodyAt(9)).position.z;
-  EXPECT_NEAR(fallen, kG / 3600 * 60 * 61 / 2, .05 * fallen);
+  EXPECT_NEAR(fallen, kGravity / 3600 * 60 * 61 / 2, .05 * fallen);
   EXPECT_NEAR(world.state(world.bodyAt(3)).position.z, scene.bodies[3].position.z, 2e-3);
 }
 

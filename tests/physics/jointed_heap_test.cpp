@@ -12,7 +12,7 @@ namespace {
 
 using test::Random;
 
-constexpr double kGravity = 10;
+using test::kGravity;
 
 /// Adds a box with a joint to `parent` at the point `anchor` of the parent and `own` of the box, in body
 /// frames. The box has the orientation of its parent.

@@ -9,9 +9,9 @@
 namespace rubble {
 namespace {
 
+using std::numbers::pi;
+using test::kDt;
 using test::options;
-constexpr double kDt = 1. / 60;
-constexpr double kPi = std::numbers::pi;
 
 TEST(FreeFall, IsExactInDiscreteTime) {
   // x_n = v0 t_n + g dt^2 n (n + 1) / 2
@@ -127,7 +127,7 @@ class PendulumAt : public ::testing::TestWithParam<int> {};
 
 TEST_P(PendulumAt, SwingsWithThePeriodOfACompoundPendulum) {
   // a rod of length 1 on a ball joint at its upper end
-  constexpr double kAngle = 5 * kPi / 180;
+  constexpr double kAngle = 5 * pi / 180;
   Scene scene = test::emptyScene();
   BodyDef rod = test::body(Shape::box({.05, .05, .5}), {});
   rod.orientation = fromAxisAngle(Vec3{0, 1, 0}, kAngle);
@@ -136,7 +136,7 @@ TEST_P(PendulumAt, SwingsWithThePeriodOfACompoundPendulum) {
   scene.joints.push_back(test::ball(0, {0, 0, .5}, kWorld, {0, 0, 0}));
   World world(scene, options(GetParam()));
   const MassProperties m = world.massOf(world.bodyAt(0));
-  const double period = 2 * kPi * std::sqrt((m.inertia.y + m.mass * .25) / (m.mass * 10 * .5)) *
+  const double period = 2 * pi * std::sqrt((m.inertia.y + m.mass * .25) / (m.mass * 10 * .5)) *
                         (1 + kAngle * kAngle / 16);
   const auto crossings = upwardCrossings(world, 60 * 10,
                                          [&] { return world.state(world.bodyAt(0)).position.x; });
@@ -149,7 +149,7 @@ TEST_P(PendulumAt, SwingsWithThePeriodOfACompoundPendulum) {
 TEST_P(PendulumAt, NeverSwingsHigherThanItStarted) {
   Scene scene = test::emptyScene();
   BodyDef rod = test::body(Shape::box({.05, .05, .5}), {.5, 0, 0});
-  rod.orientation = fromAxisAngle(Vec3{0, 1, 0}, -kPi / 2);
+  rod.orientation = fromAxisAngle(Vec3{0, 1, 0}, -pi / 2);
   scene.bodies.push_back(rod);
   scene.joints.push_back(test::ball(0, {0, 0, .5}, kWorld, {0, 0, 0}));
   World world(scene, options(GetParam()));

@@ -7,7 +7,7 @@
 namespace rubble {
 namespace {
 
-constexpr double kDt = 1. / 60;
+using test::kDt;
 
 class EachPreset : public ::testing::TestWithParam<Preset> {
  protected:

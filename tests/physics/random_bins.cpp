@@ -13,7 +13,7 @@ namespace rubble::test {
 namespace {
 
 constexpr double kSizeRatio = 50, kDensityRatio = 1000;
-constexpr double kGravity = 9.81;
+constexpr double kBinGravity = 9.81;
 
 struct RandomShape {
   Shape shape;
@@ -167,7 +167,7 @@ JointDef randomJoint(Random& random, const Scene& scene, int a, int b, double ma
                       scene.bodies[static_cast<std::size_t>(b)].position) *
                      .5;
   JointDef joint = jointAt(scene, type, a, b, point, random.rotation());
-  const double force = mass * kGravity;
+  const double force = mass * kBinGravity;
   if (type == JointType::Spring || type == JointType::AngularSpring) {
     joint.stiffness = 20 * force / size, joint.dampingRatio = .5;
     joint.angularStiffness = 5 * force * size, joint.angularDampingRatio = .5;
@@ -191,7 +191,7 @@ JointDef randomJoint(Random& random, const Scene& scene, int a, int b, double ma
 Bin randomBin(std::uint64_t seed) {
   Random random(seed * 7919 + 17);
   Bin bin;
-  bin.scene.gravity = {0, 0, -kGravity};
+  bin.scene.gravity = {0, 0, -kBinGravity};
   const double large = random.logUniform(.1, 1), small = large / random.logUniform(2, kSizeRatio);
   const int count = 16 + random.below(32);
   const double half = 2.2 * large;
@@ -220,7 +220,7 @@ Bin randomBin(std::uint64_t seed) {
   bin.inner.z = .5 * (top + 2 * large);
   addWalls(bin, random);
   const double floor = -.5 * (top + 2 * large), lift = bin.kind == "heights" ? .01 * large : 0;
-  const double speed = std::sqrt(2 * kGravity * random.uniform(0, 20));
+  const double speed = std::sqrt(2 * kBinGravity * random.uniform(0, 20));
   const double spin = random.logUniform(1, 50);
   for (int k = 0; k < count; ++k) {
     const RandomShape& s = shapes[static_cast<std::size_t>(k)];
@@ -322,7 +322,7 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
     const BodyState s = world.state(world.bodyAt(thrown + k));
     const double size = bin.size[std::size_t(k)];
     const double moving = (length(s.velocity) + .5 * size * length(s.angularVelocity)) /
-                          (kStill * std::sqrt(kGravity * size));
+                          (kStill * std::sqrt(kBinGravity * size));
     if (moving > 1) ++out.restless;
     if (moving > 10) ++out.unsettled;
   }

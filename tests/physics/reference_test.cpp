@@ -11,20 +11,6 @@ namespace {
 
 constexpr int kConverged = 400;
 
-/// Largest distance of any body between two worlds of one scene, over `steps` [m].
-double worstDistance(const Scene& scene, const WorldOptions& a, const WorldOptions& b, int steps) {
-  World first(scene, a), second(scene, b);
-  double worst = 0;
-  for (int i = 0; i < steps; ++i) {
-    first.step(), second.step();
-    for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-      const BodyId id = first.bodyAt(static_cast<int>(k));
-      worst = std::max(worst, length(first.state(id).position - second.state(id).position));
-    }
-  }
-  return worst;
-}
-
 struct SmallScene {
   const char* name;
   Scene scene;
@@ -63,15 +49,16 @@ class AgainstReference : public ::testing::TestWithParam<SmallScene> {};
 
 TEST_P(AgainstReference, FewIterationsStayCloseToTheConvergedStep) {
   const SmallScene& s = GetParam();
-  EXPECT_LT(worstDistance(s.scene, test::options(4), test::options(kConverged, "reference"), s.steps), s.at4);
-  EXPECT_LT(worstDistance(s.scene, test::options(10), test::options(kConverged, "reference"), s.steps),
+  EXPECT_LT(test::worstDistance(s.scene, test::options(4), test::options(kConverged, "reference"), s.steps),
+            s.at4);
+  EXPECT_LT(test::worstDistance(s.scene, test::options(10), test::options(kConverged, "reference"), s.steps),
             s.at10);
 }
 
 TEST_P(AgainstReference, MoreIterationsComeCloser) {
   const SmallScene& s = GetParam();
-  const double at50 = worstDistance(s.scene, test::options(50, "reference"),
-                                    test::options(kConverged, "reference"), s.steps);
+  const double at50 = test::worstDistance(s.scene, test::options(50, "reference"),
+                                          test::options(kConverged, "reference"), s.steps);
   EXPECT_LT(at50, .25 * s.at10);
 }
 

@@ -10,7 +10,7 @@
 namespace rubble {
 namespace {
 
-constexpr double kG = 10;
+using test::kGravity;
 
 Shape rollerOf(int kind, double r) {
   if (kind == 0) return Shape::sphere(r);
@@ -22,7 +22,7 @@ Shape rollerOf(int kind, double r) {
 /// The roller lies across the way, on ground that is tilted about y. Body 1.
 World roll(int kind, double r, double slope, double spin, double dt, int iterations, bool plane) {
   const Quat tilt = fromAxisAngle(Vec3{0, 1, 0}, slope);
-  Scene scene = test::emptyScene({0, 0, -kG});
+  Scene scene = test::emptyScene({0, 0, -kGravity});
   BodyDef ground = test::ground(1);
   if (!plane) ground.shape = Shape::box({500, 20, 1}), ground.position = rotate(tilt, {0, 0, -1});
   ground.orientation = tilt;
@@ -59,7 +59,7 @@ TEST_P(Roller, DownASlopeHasTheAccelerationOfTheClosedForm) {
       const double slope = degrees * std::numbers::pi / 180;
       World world = roll(kind, r, slope, 0, dt, iterations, true);
       const MassProperties mass = world.massOf(world.bodyAt(1));
-      const double a = kG * std::sin(slope) / (1 + mass.inertia.z / (mass.mass * r * r));
+      const double a = kGravity * std::sin(slope) / (1 + mass.inertia.z / (mass.mass * r * r));
       // up to half a radian a step
       const double seconds = std::min(2., .5 / dt * r / a);
       const int steps = static_cast<int>(std::lround(seconds / dt));

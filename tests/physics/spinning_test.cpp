@@ -11,9 +11,11 @@
 namespace rubble {
 namespace {
 
+using std::numbers::pi;
 using test::options;
-constexpr double kPi = std::numbers::pi, kSeconds = 10;
-constexpr Vec3 kUp{0, 0, 1};
+
+constexpr double kSeconds = 10;
+constexpr Vec3 kVertical{0, 0, 1};
 
 enum class Mount { Joint, Spring };
 
@@ -39,9 +41,9 @@ struct Top {
     BodyDef def = test::body(shape, {}, 1);
     def.mass = 1;
     def.orientation = fromAxisAngle(Vec3{0, 1, 0}, inclination);
-    const Vec3 axis = rotate(def.orientation, kUp);
+    const Vec3 axis = rotate(def.orientation, kVertical);
     def.position = (lever - center) * axis;
-    def.angularVelocity = precession() * kUp + (spin - precession() * std::cos(inclination)) * axis;
+    def.angularVelocity = precession() * kVertical + (spin - precession() * std::cos(inclination)) * axis;
     def.velocity = cross(def.angularVelocity, lever * axis);
     return def;
   }
@@ -70,18 +72,18 @@ Path pathOf(const Top& top, double dt, int iterations = 4) {
   const int steps = static_cast<int>(std::lround(kSeconds / dt));
   for (int i = 0; i < steps; ++i) {
     world.step();
-    const Vec3 axis = rotate(world.state(world.bodyAt(0)).orientation, kUp);
+    const Vec3 axis = rotate(world.state(world.bodyAt(0)).orientation, kVertical);
     out.tilt = std::max(out.tilt, std::fabs(std::acos(axis.z) - top.inclination));
     const double now = std::atan2(axis.y, axis.x);
-    angle += std::remainder(now - last, 2 * kPi), last = now;
+    angle += std::remainder(now - last, 2 * pi), last = now;
   }
   out.ratio = angle / (steps * dt) / top.precession();
   return out;
 }
 void expectPrecession(const Top& top, double dt) {
   const Path m = pathOf(top, dt);
-  EXPECT_LT(m.tilt, kPi / 180) << "inclination " << top.inclination << ", spin " << top.spin
-                               << ", precession " << top.precession();
+  EXPECT_LT(m.tilt, pi / 180) << "inclination " << top.inclination << ", spin " << top.spin << ", precession "
+                              << top.precession();
   EXPECT_NEAR(m.ratio, 1, .01) << "inclination " << top.inclination << ", spin " << top.spin
                                << ", precession " << top.precession();
 }
@@ -107,14 +109,14 @@ TEST_P(TopAt, PrecessesOnAJointAndDoesNotFall) {
   for (const Kind& kind : kKinds)
     for (const double degrees : kInclinations)
       expectPrecession(
-          {kind.shape, kind.lever, kind.center, degrees * kPi / 180, GetParam().spin, 9.81, Mount::Joint},
+          {kind.shape, kind.lever, kind.center, degrees * pi / 180, GetParam().spin, 9.81, Mount::Joint},
           GetParam().dt);
 }
 TEST_P(TopAt, PrecessesOnASpringAndDoesNotFall) {
   for (const Kind& kind : kKinds)
     for (const double degrees : kInclinations)
       expectPrecession(
-          {kind.shape, kind.lever, kind.center, degrees * kPi / 180, GetParam().spin, 9.81, Mount::Spring},
+          {kind.shape, kind.lever, kind.center, degrees * pi / 180, GetParam().spin, 9.81, Mount::Spring},
           GetParam().dt);
 }
 INSTANTIATE_TEST_SUITE_P(All, TopAt,
@@ -133,7 +135,7 @@ TEST(Spinning, AnAxleThatIsTurnedBearsTheGyroscopicTorque) {
   scene.bodies[0].angularVelocity = {0, 0, kTurn};
   BodyDef wheel = test::body(Shape::cylinder(.3, .05), {});
   wheel.mass = 2;
-  wheel.orientation = fromAxisAngle(Vec3{0, 1, 0}, kPi / 2);
+  wheel.orientation = fromAxisAngle(Vec3{0, 1, 0}, pi / 2);
   wheel.angularVelocity = {kSpin, 0, kTurn};
   scene.bodies.push_back(wheel);
   scene.joints.push_back(jointAt(scene, JointType::Hinge, 1, 0, {}));
@@ -146,7 +148,7 @@ TEST(Spinning, AnAxleThatIsTurnedBearsTheGyroscopicTorque) {
     world.step();
     sum += length(world.state(world.joints()[0]).torque);
     const BodyState state = world.state(world.bodyAt(1));
-    EXPECT_NEAR(rotate(state.orientation, kUp).z, 0, 1e-3);
+    EXPECT_NEAR(rotate(state.orientation, kVertical).z, 0, 1e-3);
   }
   EXPECT_NEAR(sum / kSteps, moment * kSpin * kTurn, .02 * moment * kSpin * kTurn);
 }

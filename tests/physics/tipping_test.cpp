@@ -12,7 +12,9 @@
 namespace rubble {
 namespace {
 
-constexpr double kPi = std::numbers::pi, kRadius = .5, kCell = 1.3;
+using std::numbers::pi;
+
+constexpr double kRadius = .5, kCell = 1.3;
 constexpr int kSides = 24;
 
 enum class Ground { Plane, Box, Mesh, Field };
@@ -51,15 +53,15 @@ Shape standing(Base base, double halfHeight) {
   if (base == Base::Cone) return Shape::cone(kRadius, halfHeight);
   std::vector<Vec3> corners;
   for (int k = 0; k < 2 * kSides; ++k)
-    corners.push_back({kRadius * std::cos(k / 2 * 2 * kPi / kSides),
-                       kRadius * std::sin(k / 2 * 2 * kPi / kSides), k % 2 ? halfHeight : -halfHeight});
+    corners.push_back({kRadius * std::cos(k / 2 * 2 * pi / kSides),
+                       kRadius * std::sin(k / 2 * 2 * pi / kSides), k % 2 ? halfHeight : -halfHeight});
   return Shape::hull(corners);
 }
 
 /// How far the base reaches down the slope from its middle; `towards`: the way down, seen from the body.
 double reachOf(Base base, double towards) {
   if (base != Base::Prism) return kRadius;
-  const double edge = 2 * kPi / kSides, off = std::remainder(towards - edge / 2, edge);
+  const double edge = 2 * pi / kSides, off = std::remainder(towards - edge / 2, edge);
   return kRadius * std::cos(edge / 2) / std::cos(off);
 }
 
@@ -69,7 +71,7 @@ class TippingOn : public ::testing::TestWithParam<std::tuple<Ground, Base>> {
   static bool tips(double slender, double yaw, double down, double off) {
     const auto [ground, base] = GetParam();
     const double halfHeight = slender * kRadius, center = base == Base::Cone ? halfHeight / 2 : halfHeight;
-    const double slope = std::atan(reachOf(base, down - yaw) / center) + off * kPi / 180;
+    const double slope = std::atan(reachOf(base, down - yaw) / center) + off * pi / 180;
     const Quat tilt = fromAxisAngle(Vec3{-std::sin(down), std::cos(down), 0}, slope);
     Scene scene = test::emptyScene();
     scene.bodies.push_back(groundOf(ground, tilt));
@@ -80,7 +82,7 @@ class TippingOn : public ::testing::TestWithParam<std::tuple<Ground, Base>> {
     const Vec3 up = rotate(body.orientation, Vec3{0, 0, 1});
     for (int i = 0; i < 360; ++i) {
       world.step();
-      if (dot(up, rotate(world.state(world.bodyAt(1)).orientation, Vec3{0, 0, 1})) < std::cos(10 * kPi / 180))
+      if (dot(up, rotate(world.state(world.bodyAt(1)).orientation, Vec3{0, 0, 1})) < std::cos(10 * pi / 180))
         return true;
     }
     return false;

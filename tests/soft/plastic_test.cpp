@@ -172,14 +172,14 @@ TEST(Plastic, SinglePrecisionStaysWithDouble) {
               .02 * changeOf(single, single.deformableAt(0)));
 }
 
-struct Throw {
+struct YieldingThrow {
   double yieldStress, dt;
   int steps;
 };
-class PlasticThrow : public ::testing::TestWithParam<Throw> {};
+class PlasticThrow : public ::testing::TestWithParam<YieldingThrow> {};
 
 TEST_P(PlasticThrow, StaysFiniteAndComesToRest) {
-  const Throw p = GetParam();
+  const YieldingThrow p = GetParam();
   TetSolidDef box = jellyBox({0, 0, 0}, .5, 3);
   box.yieldStress = p.yieldStress;
   WorldOptions o = options(10);
@@ -196,11 +196,12 @@ TEST_P(PlasticThrow, StaysFiniteAndComesToRest) {
   EXPECT_EQ(quarantined, 0);
   EXPECT_LT(world.quality().kineticEnergy, .01 * most);
 }
-INSTANTIATE_TEST_SUITE_P(Plastic, PlasticThrow,
-                         ::testing::Values(Throw{1e2, 1. / 15, 200}, Throw{1e2, 1. / 60, 300},
-                                           Throw{1e2, 1. / 240, 600}, Throw{3e3, 1. / 60, 300},
-                                           Throw{3e3, 1. / 240, 600}, Throw{3e3, 1. / 1000, 1500},
-                                           Throw{3e4, 1. / 60, 300}, Throw{3e4, 1. / 1000, 1500}));
+INSTANTIATE_TEST_SUITE_P(
+    Plastic, PlasticThrow,
+    ::testing::Values(YieldingThrow{1e2, 1. / 15, 200}, YieldingThrow{1e2, 1. / 60, 300},
+                      YieldingThrow{1e2, 1. / 240, 600}, YieldingThrow{3e3, 1. / 60, 300},
+                      YieldingThrow{3e3, 1. / 240, 600}, YieldingThrow{3e3, 1. / 1000, 1500},
+                      YieldingThrow{3e4, 1. / 60, 300}, YieldingThrow{3e4, 1. / 1000, 1500}));
 
 }  // namespace
 }  // namespace rubble

@@ -6,7 +6,10 @@
 
 namespace rubble::test {
 
-inline Scene emptyScene(const Vec3& gravity = {0, 0, -10}) {
+inline constexpr double kGravity = 10;  ///< of emptyScene() [m/s2]
+inline constexpr double kDt = 1. / 60;  ///< step of Params [s]
+
+inline Scene emptyScene(const Vec3& gravity = {0, 0, -kGravity}) {
   Scene scene;
   scene.gravity = gravity;
   return scene;
@@ -77,6 +80,20 @@ inline WorldOptions options(int iterations = 10, const std::string& backend = "c
 
 inline void run(World& world, int steps) {
   for (int i = 0; i < steps; ++i) world.step();
+}
+
+/// Largest distance of any body between two worlds of one scene, over `steps` [m].
+inline double worstDistance(const Scene& scene, const WorldOptions& a, const WorldOptions& b, int steps) {
+  World first(scene, a), second(scene, b);
+  double worst = 0;
+  for (int i = 0; i < steps; ++i) {
+    first.step(), second.step();
+    for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+      const BodyId id = first.bodyAt(static_cast<int>(k));
+      worst = std::max(worst, length(first.state(id).position - second.state(id).position));
+    }
+  }
+  return worst;
 }
 
 }  // namespace rubble::test

@@ -10,7 +10,7 @@
 namespace rubble {
 namespace {
 
-constexpr double kDt = 1. / 60;
+using test::kDt;
 
 struct Shot {
   bool box, freePlate;

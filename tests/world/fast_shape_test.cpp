@@ -10,7 +10,7 @@
 namespace rubble {
 namespace {
 
-constexpr double kDt = 1. / 60;
+using test::kDt;
 /// Top of every plate [m].
 constexpr double kTop = .005;
 
@@ -85,15 +85,15 @@ std::vector<Kind> plates() {
           {"lattice", latticeBox({.5, .5, kTop}, .01)}};
 }
 
-struct Shot {
+struct ShapeShot {
   Kind bullet, plate;
   double degrees;
 };
 
-class FastShape : public testing::TestWithParam<Shot> {};
+class FastShape : public testing::TestWithParam<ShapeShot> {};
 
 TEST_P(FastShape, DoesNotPassAPlate) {
-  const Shot& shot = GetParam();
+  const ShapeShot& shot = GetParam();
   constexpr double kSpeed = 1000, kDistance = 11.7;
   const double angle = shot.degrees * std::numbers::pi / 180;
   const Vec3 d{std::sin(angle), .02, -std::cos(angle)};
@@ -120,15 +120,15 @@ TEST_P(FastShape, DoesNotPassAPlate) {
   EXPECT_GT(world.state(world.bodyAt(1)).velocity.z, -.005 * kSpeed);
 }
 
-std::vector<Shot> shots() {
-  std::vector<Shot> all;
+std::vector<ShapeShot> shapeShots() {
+  std::vector<ShapeShot> all;
   for (const Kind& bullet : bullets())
     for (const Kind& plate : plates())
       for (const double degrees : {0., 60.}) all.push_back({bullet, plate, degrees});
   return all;
 }
-INSTANTIATE_TEST_SUITE_P(Shots, FastShape, testing::ValuesIn(shots()),
-                         [](const testing::TestParamInfo<Shot>& info) {
+INSTANTIATE_TEST_SUITE_P(Shots, FastShape, testing::ValuesIn(shapeShots()),
+                         [](const testing::TestParamInfo<ShapeShot>& info) {
                            return info.param.bullet.name + "_on_" + info.param.plate.name +
                                   (info.param.degrees == 0 ? "_upright" : "_slanting");
                          });

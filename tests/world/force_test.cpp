@@ -7,8 +7,8 @@
 namespace rubble {
 namespace {
 
+using test::kDt;
 using test::options;
-constexpr double kDt = 1. / 60;
 
 Scene freeBody() {
   Scene scene = test::emptyScene({0, 0, 0});

@@ -6,24 +6,16 @@
 #include <functional>
 #include <limits>
 
+#include "tests/support/expect.h"
 #include "tests/support/scenes.h"
 
 namespace rubble {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::expectError;
+using test::kNan;
 
-/// Expects an Error whose path is `path` and whose text begins with it.
-template <class F> void expectError(const std::string& path, F&& f) {
-  try {
-    f();
-    ADD_FAILURE() << "no error for " << path;
-  } catch (const Error& e) {
-    EXPECT_EQ(e.path(), path) << e.what();
-    EXPECT_EQ(std::string(e.what()).rfind(path + ": expected ", 0), 0u) << e.what();
-  }
-}
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// As a static body of a scene: refused by validate(), before anything is cooked, and by a world.
 void expectBadShape(const std::string& member, const Shape& shape) {

@@ -3,25 +3,15 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 
+#include "tests/support/expect.h"
 #include "tests/support/scenes.h"
 
 namespace rubble {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-/// Expects an Error whose path is `path` and whose text begins with it.
-template <class F> void expectError(const std::string& path, F&& f) {
-  try {
-    f();
-    ADD_FAILURE() << "no error for " << path;
-  } catch (const Error& e) {
-    EXPECT_EQ(e.path(), path);
-    EXPECT_EQ(std::string(e.what()).rfind(path + ": expected ", 0), 0u) << e.what();
-  }
-}
+using test::expectError;
+using test::kNan;
 
 void expectBadScene(const std::string& path, const std::function<void(Scene&)>& spoil) {
   Scene scene = test::tower(3);
