@@ -42,8 +42,8 @@ function(rubble_compile_quickly target)
 endfunction()
 
 # Sources of a target in groups, each compiled as one: what they include is compiled once. A change of one file compiles its group.
-# Names without linkage must differ within a target then. RUBBLE_UNITY does so with all of the library, for builds that nobody edits.
-option(RUBBLE_UNITY "Compile the sources of the library in groups" OFF)
+# Names without linkage must differ within a target then. RUBBLE_UNITY does so with nearly everything, for builds that nobody edits.
+option(RUBBLE_UNITY "Compile sources in groups of ten" OFF)
 function(rubble_unite target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
   # GCC takes a group for a file that others include, whose types must not use those without linkage
