@@ -2,11 +2,11 @@
 /// Runs each step on two engines and compares all tables after each kernel. Reports the first stage, kernel,
 /// table and element that differ.
 #include <algorithm>
-#include <barrier>
+#include <condition_variable>
 #include <cstring>
 #include <exception>
 #include <map>
-#include <optional>
+#include <mutex>
 #include <span>
 #include <string>
 #include <thread>
@@ -17,8 +17,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Each engine runs the step in a thread of its own. The threads meet in a barrier at the end of each kernel.
-/// Reads are of the first engine.
+/// Each engine runs the step in a thread of its own. The threads meet at the end of each kernel. Reads are of
+/// the first engine.
 class LockstepEngine final : public Engine, public BatchEngine {
  public:
   LockstepEngine(std::unique_ptr<ObservableEngine> a, std::unique_ptr<ObservableEngine> b)
@@ -134,10 +134,28 @@ class LockstepEngine final : public Engine, public BatchEngine {
       return std::span(left).subspan(begin, ends[number] - begin);
     }
   };
-  struct Compare {
-    LockstepEngine* pair;
-    void operator()() const noexcept { pair->meet(); }
+  /// Where the two threads wait for each other. Not std::barrier, whose waits lose wakes in GCC 12 where the
+  /// system has no futex.
+  struct Meeting {
+    std::mutex mutex = {};
+    std::condition_variable over = {};
+    int expected = 2, waiting = 0, number = 0;
   };
+  /// Waits for the other thread, unless it has left. The last one to come calls meet().
+  void await() {
+    std::unique_lock lock(meeting_.mutex);
+    if (++meeting_.waiting == meeting_.expected) return conclude();
+    meeting_.over.wait(lock, [this, number = meeting_.number] { return meeting_.number != number; });
+  }
+  void leave() {
+    const std::lock_guard lock(meeting_.mutex);
+    if (meeting_.waiting == --meeting_.expected) conclude();
+  }
+  void conclude() noexcept {
+    meet();
+    meeting_.waiting = 0, ++meeting_.number;
+    meeting_.over.notify_all();
+  }
 
   template <class F> void both(F&& f) { f(*a_.engine), f(*b_.engine); }
 
@@ -146,7 +164,7 @@ class LockstepEngine final : public Engine, public BatchEngine {
     step_ = report.step;
     a_.ended = b_.ended = false;
     a_.keep(), b_.keep();
-    meeting_.emplace(2, Compare{this});
+    meeting_.expected = 2, meeting_.waiting = 0;
     StepReport otherReport = report;
     std::thread other([&] { run(b_, otherReport, take); });
     run(a_, report, take);
@@ -160,7 +178,7 @@ class LockstepEngine final : public Engine, public BatchEngine {
     side.stage.clear(), side.error = nullptr;
     side.engine->observe([this, &side](std::string_view stage, std::string_view kernel) {
       side.nextStage = stage;
-      if (!side.stage.empty()) meeting_->arrive_and_wait();
+      if (!side.stage.empty()) await();
       side.stage = stage, side.kernel = kernel;
     });
     try {
@@ -171,7 +189,7 @@ class LockstepEngine final : public Engine, public BatchEngine {
     side.engine->observe({});
     side.nextStage.clear();
     side.ended = true;
-    meeting_->arrive_and_drop();
+    leave();
   }
 
   /// Both threads are at the end of a kernel or of the step.
@@ -223,7 +241,7 @@ class LockstepEngine final : public Engine, public BatchEngine {
   }
 
   Side a_, b_;
-  std::optional<std::barrier<Compare>> meeting_;
+  Meeting meeting_;
   std::int64_t step_ = 0;
   std::map<std::string, std::string> firstKernel_;  ///< of each table that differs in this stage
   std::string difference_;
