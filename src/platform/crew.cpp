@@ -35,7 +35,8 @@ void Crew::run(int wanted, FunctionRef<void(int)> work) {
   loop_ = ++loops_ * kMost + static_cast<std::uint64_t>(std::max(wanted - 1, 0));
   attempt(0);
   // A member that enters says so first and looks at loop_ then. So it sees that the loop is over, or is seen.
-  loop_ = kNone;
+  // Both are exchanges, where a store would do: qemu 7.2 lets loads of an ARM pass it.
+  loop_.exchange(kNone);
   for (int k = 1; k < wanted; ++k)
     for (int looks = 0; places_[static_cast<std::size_t>(k)].state == State::Working; ++looks)
       lookAgain(looks);
@@ -50,7 +51,7 @@ void Crew::serve(int k) noexcept {
     if (loop == kDismissed) break;
     if (loop <= last || static_cast<std::uint64_t>(k) > loop % kMost) continue;
     last = loop, looks = 0;
-    state = State::Working;
+    state.exchange(State::Working);
     if (loop_ == loop) attempt(k);
     state.store(State::Waiting, std::memory_order_release);
   }
