@@ -1,6 +1,10 @@
 #pragma once
 /// Small scenes for tests of whole steps. z is up and gravity is 10 unless said otherwise.
+#include <algorithm>
+#include <cstdint>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include <rubble/rubble.h>
 
@@ -80,6 +84,17 @@ inline WorldOptions options(int iterations = 10, const std::string& backend = "c
 
 inline void run(World& world, int steps) {
   for (int i = 0; i < steps; ++i) world.step();
+}
+
+/// World::hash() after each of `steps` steps, with `before` called before each of them.
+inline std::vector<std::uint64_t> hashes(World& world, int steps, const std::function<void()>& before = {}) {
+  std::vector<std::uint64_t> out;
+  for (int i = 0; i < steps; ++i) {
+    if (before) before();
+    world.step();
+    out.push_back(world.hash());
+  }
+  return out;
 }
 
 /// Largest distance of any body between two worlds of one scene, over `steps` [m].

@@ -11,18 +11,8 @@
 namespace rubble {
 namespace {
 
+using test::hashes;
 using test::options;
-
-std::vector<std::uint64_t> hashesOfChanges(World& world, int steps,
-                                           const std::function<void()>& before = {}) {
-  std::vector<std::uint64_t> out;
-  for (int i = 0; i < steps; ++i) {
-    if (before) before();
-    world.step();
-    out.push_back(world.hash());
-  }
-  return out;
-}
 
 /// A body alone, without gravity.
 BodyId alone(World& world, const Shape& shape) {
@@ -37,9 +27,9 @@ TEST(BodyChange, ToItsOwnDefinitionKeepsEveryBit) {
     test::run(world, 40);
     world.applyForce(world.bodyAt(5), {3, 0, 40});
     const Snapshot start = world.snapshot();
-    const auto untouched = hashesOfChanges(world, 12);
+    const auto untouched = hashes(world, 12);
     world.restore(start);
-    const auto redefined = hashesOfChanges(world, 12, [&] {
+    const auto redefined = hashes(world, 12, [&] {
       for (const BodyId id : world.bodies()) world.setDefinition(id, world.definition(id));
     });
     EXPECT_EQ(redefined, untouched) << backend;
@@ -330,11 +320,11 @@ TEST(SnapshotBytes, ContinueBitForBitInAnotherWorld) {
     test::run(world, 30);
     world.removeBody(world.bodyAt(7));
     const std::vector<std::byte> bytes = world.snapshot().bytes();
-    const auto onward = hashesOfChanges(world, 20);
+    const auto onward = hashes(world, 20);
     World other(test::tower(1), options(9, backend));
     other.restore(Snapshot::fromBytes(bytes));
     EXPECT_EQ(other.params(), own.params);
-    EXPECT_EQ(hashesOfChanges(other, 20), onward) << backend;
+    EXPECT_EQ(hashes(other, 20), onward) << backend;
     EXPECT_EQ(other.definition(other.findBody("named")).name, "named");
     EXPECT_EQ(other.userData(other.bodyAt(4)), 1234567890123456789u);
     const auto turn = [](World& w) { w.setMotorForce(w.joints()[0], 0, -2); };
@@ -342,7 +332,7 @@ TEST(SnapshotBytes, ContinueBitForBitInAnotherWorld) {
     EXPECT_EQ(other.definition(other.joints()[0]).axes[0].armature, 0.1);
     // ids go on as well
     EXPECT_EQ(other.addBody(test::unitCube({0, 0, 20})), world.addBody(test::unitCube({0, 0, 20})));
-    EXPECT_EQ(hashesOfChanges(other, 3), hashesOfChanges(world, 3));
+    EXPECT_EQ(hashes(other, 3), hashes(world, 3));
   }
 }
 

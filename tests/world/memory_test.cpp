@@ -44,7 +44,7 @@ class OutOfMemory : public ::testing::TestWithParam<const char*> {
     GTEST_SKIP() << "the sanitizer needs an address space without bound";
 #endif
     const LittleMemory little(1 << 20);
-    constexpr std::size_t kMuch = 1 << 28;
+    constexpr std::size_t kMuch = 1 << 28;  // many times what the limit leaves
     void* const much = mmap(nullptr, kMuch, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (much == MAP_FAILED) return;
     munmap(much, kMuch);

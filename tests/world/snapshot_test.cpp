@@ -6,16 +6,8 @@
 namespace rubble {
 namespace {
 
+using test::hashes;
 using test::options;
-
-std::vector<std::uint64_t> hashes(World& world, int steps) {
-  std::vector<std::uint64_t> out;
-  for (int i = 0; i < steps; ++i) {
-    world.step();
-    out.push_back(world.hash());
-  }
-  return out;
-}
 
 class SnapshotOf : public ::testing::TestWithParam<const char*> {};
 
