@@ -10,7 +10,7 @@ namespace {
 
 class CudaAccess : public CudaTest {};
 
-std::vector<double> rowOf(const ArrayView& view, int row) {
+std::vector<double> rowAt(const ArrayView& view, int row) {
   const std::size_t size = view.typestr[2] == '8' ? 8 : 4;
   std::vector<double> out;
   cudaStreamSynchronize(reinterpret_cast<cudaStream_t>(view.stream));
@@ -58,9 +58,9 @@ TEST_F(CudaAccess, ArraysAreDeviceMemoryWithTheStateOfEveryBody) {
   EXPECT_EQ(position.shape[0], static_cast<std::int64_t>(world.bodies().size()));
   for (const BodyId body : world.bodies()) {
     const BodyState s = world.state(body);
-    EXPECT_EQ(rowOf(position, body.index), (std::vector<double>{s.position.x, s.position.y, s.position.z}));
-    EXPECT_EQ(rowOf(velocity, body.index), (std::vector<double>{s.velocity.x, s.velocity.y, s.velocity.z}));
-    EXPECT_EQ(rowOf(orientation, body.index)[0], s.orientation.s);
+    EXPECT_EQ(rowAt(position, body.index), (std::vector<double>{s.position.x, s.position.y, s.position.z}));
+    EXPECT_EQ(rowAt(velocity, body.index), (std::vector<double>{s.velocity.x, s.velocity.y, s.velocity.z}));
+    EXPECT_EQ(rowAt(orientation, body.index)[0], s.orientation.s);
   }
   run(world, 5);
   EXPECT_EQ(world.epoch(), position.epoch);

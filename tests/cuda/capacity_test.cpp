@@ -65,7 +65,7 @@ TEST_F(CudaCapacity, SettledScenesDoNotRestart) {
 
 /// Bodies rain into a box: pairs, manifolds, incidences and slots all grow again and again.
 TEST_F(CudaCapacity, GrowsWithTheScene) {
-  World cpu(ground(), optionsFor("cpu")), cuda(ground(), optionsFor("cuda"));
+  World cpu(plane(), optionsFor("cpu")), cuda(plane(), optionsFor("cuda"));
   int restarts = 0;
   for (int i = 0; i < 40; ++i) {
     for (World* world : {&cpu, &cuda})
@@ -84,7 +84,7 @@ TEST_F(CudaCapacity, GrowsWithTheScene) {
 /// More colors than there are launches for at first: one ground box that all others touch, and a clique of
 /// overlapping boxes.
 TEST_F(CudaCapacity, FindsAsManyColorsAsItTakes) {
-  Scene scene = ground();
+  Scene scene = plane();
   constexpr int kClique = 40;
   for (int i = 0; i < kClique; ++i) scene.bodies.push_back(boxAt({.001 * i, .0013 * i, 3 + .0017 * i}));
   World cpu(scene, optionsFor("cpu")), cuda(scene, optionsFor("cuda"));

@@ -1,6 +1,7 @@
 #pragma once
 /// Small scenes for the tests of the CUDA backend, and comparisons of two worlds.
 #include "tests/cuda/cuda_test.h"
+#include "tests/support/scenes.h"
 
 namespace rubble::test {
 
@@ -18,7 +19,7 @@ inline BodyDef boxAt(const Vec3& position, double halfEdge = .5) {
   return box;
 }
 
-inline Scene ground() {
+inline Scene plane() {
   Scene scene;
   BodyDef plane;
   plane.motion = Motion::Static;
@@ -29,7 +30,7 @@ inline Scene ground() {
 
 /// Bricks in layers of width x width that overlap those below by half a brick, resting on a plane.
 inline Scene brickPile(int width, int height) {
-  Scene scene = ground();
+  Scene scene = plane();
   for (int k = 0; k < height; ++k)
     for (int i = 0; i < width; ++i)
       for (int j = 0; j < width; ++j)
@@ -66,13 +67,6 @@ inline Scene mixedScene() {
     last = joint.bodyA;
   }
   return scene;
-}
-
-/// Steps a world so many times; returns the last report.
-inline StepReport run(World& world, int steps) {
-  StepReport report;
-  for (int i = 0; i < steps; ++i) report = world.step();
-  return report;
 }
 
 /// Largest distance [m] between the two places of a body.

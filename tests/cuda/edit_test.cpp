@@ -22,7 +22,7 @@ TEST_F(CudaEdit, AddsAndRemovesAsTheCpuDoes) {
 }
 
 TEST_F(CudaEdit, ForgetsTheContactsOfARemovedBody) {
-  Scene scene = ground();
+  Scene scene = plane();
   scene.bodies.push_back(boxAt({0, 0, .5}));
   scene.bodies.push_back(boxAt({0, 0, 1.5}));
   World world(scene, optionsFor("cuda"));

@@ -132,7 +132,7 @@ TEST_F(CudaOrder, JointsAndTreesGoOn) {
 }
 
 TEST_F(CudaOrder, IsMadeAsOftenAsAskedInAWorldWithClothToo) {
-  Scene scene = ground();
+  Scene scene = plane();
   for (const double x : {3., -5., .2, 7., -9., .9})
     scene.bodies.push_back(boxAt({x, .3 * x, x > 0 && x < 1 ? 2.1 : 1}));
   ClothDef cloth = clothSheet({-1, -1, 1.5}, {2, 0, 0}, {0, 2, 0}, 8, 8);

@@ -40,7 +40,7 @@ TEST_F(CudaStep, AgreesWithTheCpuWhileAPileSettles) {
 /// More columns than blocks that solve them, of 12 to 51 cubes: the lowest ones are none (stages/columns).
 TEST_F(CudaStep, AgreesWithTheCpuOnColumnsOfManyHeights) {
   constexpr int kColumns = 80, kLeast = 12, kHeights = 40;
-  Scene scene = ground();
+  Scene scene = plane();
   for (int k = 0; k < kColumns; ++k)
     for (int level = 0; level < kLeast + k % kHeights; ++level)
       scene.bodies.push_back(boxAt({3.0 * k, 0, level + .5}));
@@ -111,7 +111,7 @@ TEST_F(CudaStep, AgreesWithTheCpuWithLimitsAndFrictionInTrees) {
 /// The plate has a block or a warp of its own in each stage that loops over its contacts. The ball strikes
 /// the heap.
 TEST_F(CudaStep, AgreesWithTheCpuWhereOneBodyTouchesAHundred) {
-  Scene heap = ground();
+  Scene heap = plane();
   BodyDef plate;
   plate.shape = Shape::box({5, 5, .25});
   plate.position = {0, 0, .25};

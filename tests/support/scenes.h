@@ -82,8 +82,11 @@ inline WorldOptions options(int iterations = 10, const std::string& backend = "c
   return out;
 }
 
-inline void run(World& world, int steps) {
-  for (int i = 0; i < steps; ++i) world.step();
+/// Steps a world so many times; returns the last report.
+inline StepReport run(World& world, int steps) {
+  StepReport report;
+  for (int i = 0; i < steps; ++i) report = world.step();
+  return report;
 }
 
 /// World::hash() after each of `steps` steps, with `before` called before each of them.
