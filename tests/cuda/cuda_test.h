@@ -15,6 +15,11 @@ inline bool hasCuda() {
   return std::find(names.begin(), names.end(), "cuda") != names.end();
 }
 
+inline bool isStrict() {
+  return std::ranges::any_of(buildInfo().features,
+                             [](const std::string& f) { return f.find("strict") != std::string::npos; });
+}
+
 /// These tests need a device and are skipped without one.
 class CudaTest : public testing::Test {
  protected:

@@ -15,11 +15,6 @@ namespace {
 /// and sums in other ways.
 constexpr int kCapability = 90, kToolkit = 13000;
 
-bool isStrict() {
-  return std::ranges::any_of(buildInfo().features,
-                             [](const std::string& f) { return f.find("strict") != std::string::npos; });
-}
-
 class CudaGolden : public CudaTest, public testing::WithParamInterface<Golden> {};
 
 TEST_P(CudaGolden, HashIsTheRecordedOne) {

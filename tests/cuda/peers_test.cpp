@@ -29,7 +29,14 @@ WorldOptions onRanks(int count, int cutInterval = 0, RankExchange exchange = Ran
   return options;
 }
 
-class CudaPeers : public CudaTest {};
+/// Strict builds step on one GPU.
+class CudaPeers : public CudaTest {
+ protected:
+  void SetUp() override {
+    CudaTest::SetUp();
+    if (isStrict()) GTEST_SKIP() << "a strict build";
+  }
+};
 
 /// Small scenes of the registry, with the smash.
 class CudaPeersScene : public CudaPeers, public testing::WithParamInterface<const char*> {};
