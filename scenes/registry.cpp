@@ -49,11 +49,10 @@ const std::vector<Spec>& registry() {
 }
 
 const Spec& find(const std::string& name) {
-  std::vector<std::string> names;
-  for (const Spec& spec : registry()) {
+  for (const Spec& spec : registry())
     if (spec.name == name) return spec;
-    names.push_back(spec.name);
-  }
+  std::vector<std::string> names;
+  for (const Spec& spec : registry()) names.push_back(spec.name);
   throw Error("scene", nearNames(name, names, "rubble info scenes"), "\"" + name + "\"");
 }
 

@@ -1,6 +1,8 @@
 /// Command lines: the parser of the program, with subcommands that do not run, and what makes settings of
 /// words. Each line of the input is a word.
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <sstream>
 
 #include <rubble/rubble.h>
@@ -14,7 +16,8 @@
 namespace rubble::fuzz {
 namespace {
 
-constexpr std::size_t kMostWords = 40;
+/// Words of a command line, and those of them that are read as settings as well, which takes longer.
+constexpr std::size_t kMostWords = 40, kMostSettings = 6;
 
 std::vector<std::string> wordsOf(std::span<const std::uint8_t> bytes) {
   std::istringstream lines(std::string(bytes.begin(), bytes.end()));
@@ -71,7 +74,7 @@ template <class F> void orError(F&& f) {
 }
 
 void readAsSettings(const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
+  for (const std::string& word : std::span(words).first(std::min(words.size(), kMostSettings))) {
     orError([&] {
       const auto [name, number] = cli::parseAssignment(word, "--param");
       expect(std::isfinite(number), "a setting is not finite");
