@@ -286,10 +286,10 @@ TEST(JointTrees, OneThatHasHardlyTurnedRestsInTheSolvesThatFollow) {
   Linked world(3, chainOf(3));
   const SolverData& s = world.view();
   const int tree = s.treeNode[0].tree;
-  const auto restsAfter = [&](Real turn, TreeSolve how, int touched) {
+  const auto restsAfter = [&](Real turn, TreeSolve how, int touched, Real atRest = kTreeAtRest) {
     s.treeContacts[tree] = touched;
     s.treeMaxRotation[tree] = floatBits(turn);
-    for (int n = 0; n < s.treeNodes; ++n) BeginTrees{how, TreesOf::Any}(s, n);
+    for (int n = 0; n < s.treeNodes; ++n) BeginTrees{how, TreesOf::Any, atRest}(s, n);
     EXPECT_EQ(s.treeMaxRotation[tree], 0);
     return s.treeConverged[tree] != 0;
   };
@@ -298,6 +298,8 @@ TEST(JointTrees, OneThatHasHardlyTurnedRestsInTheSolvesThatFollow) {
   EXPECT_TRUE(restsAfter(Real(.001), TreeSolve::Again, kHasContacts));
   EXPECT_FALSE(restsAfter(Real(.01), TreeSolve::Again, 1)) << "limits may have been passed";
   EXPECT_TRUE(restsAfter(Real(.01), TreeSolve::Again, kTouchesNothing)) << "solved exactly";
+  EXPECT_FALSE(restsAfter(Real(.005), TreeSolve::Again, kHasContacts));
+  EXPECT_TRUE(restsAfter(Real(.005), TreeSolve::Again, kHasContacts, kTreeSettled)) << "solved twice";
   EXPECT_FALSE(restsAfter(Real(0), TreeSolve::Own, kHasContacts));
   EXPECT_FALSE(restsAfter(Real(0), TreeSolve::Exact, 0));
 }

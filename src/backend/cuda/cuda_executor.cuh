@@ -227,7 +227,14 @@ class CudaExecutor : private ScanLauncher {
         run(ByTile<kLanes>{kernel}, n);
     });
   }
-  void run(const FindNeighbors& kernel, int n) { search<FindNeighborsByTile>(kernel, n); }
+  void run(const FindNeighbors& kernel, int n) {
+    if (kStrict || peers_ || view().worlds == 1 || lanesFor<1, 2>(n, residentThreads()) > 1)
+      return search<FindNeighborsByTile>(kernel, n);
+    if (!begins() || n <= 0) return;
+    enterStage(FindNeighbors::kStage);
+    launchNext(findNeighborsOfWorlds, {blocksFor(n), kThreads}, FindNeighbors::kStage, view(), n,
+               Gate{control_});
+  }
   void run(const FindPathNeighbors& kernel, int Counters::*n) {
     withLanes<1, 2, 8>(lanesFor<1, 2, 8>(view().bodies, residentThreads()),
                        [&]<int kLanes>() { run(SearchByTile<FindPathNeighbors, kLanes>{kernel}, n); });

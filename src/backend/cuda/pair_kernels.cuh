@@ -37,6 +37,55 @@ template <class Search, int kTile> struct SearchByTile {
   }
 };
 template <int kTile> using FindNeighborsByTile = SearchByTile<FindNeighbors, kTile>;
+/// FindNeighbors where there are many worlds. A block copies the boxes of the worlds of its bodies to shared
+/// memory, where a look takes half as many instructions as at Bounds (8 % of a step of `loose`).
+class NeighborsOfWorlds {
+ public:
+  /// Of the bodies [first, first + kThreads) below n. All threads of a block call it.
+  __device__ static void find(const SolverData& s, int first, int n) {
+    __shared__ Box boxes[kMostBoxes];
+    const int thread = static_cast<int>(threadIdx.x), i = first + thread;
+    const int begin = isScanned(s, s.worldOf(first)) ? s.bodiesBegin(s.worldOf(first)) : first,
+              last = min(first + kThreads, n) - 1,
+              end = isScanned(s, s.worldOf(last)) ? s.bodiesEnd(s.worldOf(last)) : last + 1;
+    __syncthreads();
+    for (int k = begin + thread; k < end; k += kThreads) boxes[k - begin] = Box(s.bounds[k]);
+    __syncthreads();
+    if (i > last || !isInGrid(s, i)) return;
+    const int world = s.worldOf(i);
+    if (!isScanned(s, world)) return FindNeighbors{}(s, i);
+    const Bounds b = s.bounds[i];
+    if (isLongLevel(b.level)) return;
+    for (int k = s.bodiesBegin(world); k < s.bodiesEnd(world); ++k)
+      if (const Box box = boxes[k - begin]; box.level >= 0 && isPartnerInScan(i, b, k, box))
+        storePartner(s, i, k, false);
+    searchPlanes(s, world, b, [&](int plane) { storePartner(s, i, plane, false); });
+  }
+
+ private:
+  /// A block begins and ends within a world.
+  static constexpr int kMostBoxes = kThreads + 2 * (kScannedBodies - 1);
+  struct alignas(16) Box {
+    Vec3 center;
+    int level;
+    Vec3 half;
+    int unused;
+    Box() = default;
+    __device__ explicit Box(const Bounds& b) : center(b.center), level(b.level), half(b.half), unused(0) {}
+  };
+  __device__ static bool isScanned(const SolverData& s, int world) {
+    return s.bodiesEnd(world) - s.bodiesBegin(world) <= kScannedBodies;
+  }
+};
+static __global__ void __launch_bounds__(kThreads)
+    findNeighborsOfWorlds(const __grid_constant__ SolverData s, int n, Gate gate) {
+  gate.enter([&] {
+    for (int first = static_cast<int>(blockIdx.x) * kThreads; first < n;
+         first += static_cast<int>(gridDim.x) * kThreads)
+      NeighborsOfWorlds::find(s, first, n);
+  });
+}
+
 /// What a warp has found to sweep against: few lanes find most of it, so all lanes share it afterwards.
 class SweepsOfWarp {
  public:

@@ -142,6 +142,12 @@ RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& 
   searchPlanes(s, world, way, found, lane, lanes);
 }
 
+/// In a scan, is a body with the box `its` a partner that body i finds, if neither has a long path?
+template <class Box> RUBBLE_HD bool isPartnerInScan(int i, const Bounds& b, int other, const Box& its) {
+  if (isLongLevel(its.level) || its.level < b.level || (its.level == b.level && other <= i)) return false;
+  return boundsTouch(its, b);
+}
+
 /// found(other, otherOwns) for the partners of body i if neither has a long path: in its own level those that
 /// kAhead names, in coarser levels all. Share of worker `lane` of `lanes`.
 template <Ahead kAhead, class Found>
@@ -151,8 +157,7 @@ RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane 
   if (isLongLevel(b.level)) return;
   const int world = s.worldOf(i);
   const auto scan = [&](int other, const Bounds& its) {
-    if (isLongLevel(its.level) || its.level < b.level || (its.level == b.level && other <= i)) return;
-    if (boundsTouch(its, b)) found(other, false);
+    if (isPartnerInScan(i, b, other, its)) found(other, false);
   };
   const bool scanned = scanWorld(s, world, scan, lane, lanes);
   for (int level = b.level; !scanned && level < kGridSizes; ++level)

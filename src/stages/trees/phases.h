@@ -30,9 +30,9 @@ template <Executor E> void findSoftTrees(E& e) {
 
 /// One solve of all trees. Trees with contacts are solved exactly only if no other block moves their bodies
 /// afterwards.
-template <Executor E> void solveOnce(E& e, TreeSolve how, TreesOf of) {
+template <Executor E> void solveOnce(E& e, TreeSolve how, TreesOf of, Real atRest = 0) {
   const SolverData& s = e.view();
-  e.forEach(BeginTrees{how, of}, s.treeNodes);
+  e.forEach(BeginTrees{how, of, atRest}, s.treeNodes);
   forEachJoint<FindTreeRows>(e, how);
   e.beside(AssembleTreeBodies<typename E::Lane>{}, s.treeNodes);
   e.forEach(SolveTree{}, s.smallTrees);
@@ -56,7 +56,9 @@ template <Executor E> void solve(E& e, bool last) {
 /// One solve of all other trees, after the last sweep.
 template <Executor E> void solveLast(E& e) {
   const int solves = nodesOf(e.view()) > 0 ? lastTreeSolves(e.view()) : 0;
-  for (int k = 0; k < solves; ++k) solveOnce(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again, TreesOf::Rest);
+  for (int k = 0; k < solves; ++k)
+    solveOnce(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again, TreesOf::Rest,
+              k == 1 ? kTreeAtRest : kTreeSettled);
 }
 
 /// Projects joints that are open at the end of the step.

@@ -55,9 +55,10 @@ RUBBLE_HD inline int movingNode(const SolverData& s, int body) {
 RUBBLE_HD inline TreeSolve treeSolveOf(const SolverData& s, const TreeNode& node, TreeSolve how) {
   return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
 }
-/// A tree in which no body rotates by more than this in a solve is skipped in the repeated solves [rad]. What
-/// they would correct is of second order in it, or a limit violated by no more than twice as much.
-inline constexpr Real kTreeAtRest = Real(.002);
+/// A tree in which no body rotates by more than this in a solve is skipped in the next one [rad]. What that
+/// would correct is of second order in it, or a limit violated by no more than twice as much. A repeated
+/// solve moves the tree by a small part of what the first one does, and meets few new limits.
+inline constexpr Real kTreeAtRest = Real(.002), kTreeSettled = Real(.01);
 
 /// The trees that take part in a solve. Trees attached to deformable objects are solved before the last
 /// sweep, because vertices do not see the high stiffness of the exactly solved joints. All others are solved
@@ -72,11 +73,12 @@ struct BeginTrees {
   static constexpr const char* kStage = "trees";
   TreeSolve how;
   TreesOf of;
+  Real atRest;  ///< largest rotation in the preceding solve that needs no repeated one [rad]
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     if (node.tree != n) return;
     const bool out = of != TreesOf::Any && holdsVertices(s, n) != (of == TreesOf::Attached);
-    const bool done = !node.limited || isExact(s, node) || fromFloatBits(s.treeMaxRotation[n]) < kTreeAtRest;
+    const bool done = !node.limited || isExact(s, node) || fromFloatBits(s.treeMaxRotation[n]) < atRest;
     s.treeConverged[n] = out || (how == TreeSolve::Again && done);
     s.treeMaxRotation[n] = 0;
   }
