@@ -111,6 +111,27 @@ TEST_F(CudaWorlds, CopiesStayEqual) {
   for (int w = 1; w < worlds.count(); w += 23) ASSERT_EQ(worlds[w].hash(), first) << "world " << w;
 }
 
+/// A batch looks for neighbors in another way than a world alone: worlds of few and of many bodies, of which
+/// bodies are removed.
+TEST_F(CudaWorlds, SmallAndLargeWorldsHaveTheBitsThatTheyHaveAlone) {
+  const Scene scenes[] = {heap(1), heap(10), heap(3)};
+  constexpr int kKinds = 3, kCopies = 40;
+  const auto begin = [&](Worlds& worlds, int w) {
+    const Scene& scene = scenes[w % kKinds];
+    worlds.add(scene);
+    worlds[worlds.count() - 1].removeBody(worlds[worlds.count() - 1].bodyAt(w % 7 + 1));
+  };
+  Worlds worlds(worldsOptions("cuda"));
+  for (int w = 0; w < kKinds * kCopies; ++w) begin(worlds, w);
+  worlds.step(40);
+  for (const int w : {0, 1, 2, 3, 4, 31, 62, 93, 117, 118, 119}) {
+    Worlds alone(worldsOptions("cuda"));
+    begin(alone, w);
+    alone.step(40);
+    EXPECT_EQ(worlds[w].hash(), alone[0].hash()) << "world " << w;
+  }
+}
+
 /// Few joint trees take a block each and many a tile each, with the same bits: chains with limits, of more
 /// bodies than a tile has lanes, with locked axes.
 TEST_F(CudaWorlds, ThousandsOfJointTreesHaveTheBitsOfOneAlone) {

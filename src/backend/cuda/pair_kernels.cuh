@@ -38,15 +38,17 @@ template <class Search, int kTile> struct SearchByTile {
 };
 template <int kTile> using FindNeighborsByTile = SearchByTile<FindNeighbors, kTile>;
 /// FindNeighbors where there are many worlds. A block copies the boxes of the worlds of its bodies to shared
-/// memory, where a look takes half as many instructions as at Bounds (8 % of a step of `loose`).
+/// memory, where a look does not wait for the cache (5 % of a step of `loose`).
 class NeighborsOfWorlds {
  public:
-  /// Of the bodies [first, first + kThreads) below n. All threads of a block call it.
-  __device__ static void find(const SolverData& s, int first, int n) {
+  /// Of the bodies [first, first + kThreads). All threads of a block call it.
+  __device__ static void find(const SolverData& s, int first) {
     __shared__ Box boxes[kMostBoxes];
+    // rows behind those of the last world belong to none
+    const int last = min(first + kThreads, s.firstBody[s.worlds]) - 1;
+    if (first > last) return;
     const int thread = static_cast<int>(threadIdx.x), i = first + thread;
     const int begin = isScanned(s, s.worldOf(first)) ? s.bodiesBegin(s.worldOf(first)) : first,
-              last = min(first + kThreads, n) - 1,
               end = isScanned(s, s.worldOf(last)) ? s.bodiesEnd(s.worldOf(last)) : last + 1;
     __syncthreads();
     for (int k = begin + thread; k < end; k += kThreads) boxes[k - begin] = Box(s.bounds[k]);
@@ -82,7 +84,7 @@ static __global__ void __launch_bounds__(kThreads)
   gate.enter([&] {
     for (int first = static_cast<int>(blockIdx.x) * kThreads; first < n;
          first += static_cast<int>(gridDim.x) * kThreads)
-      NeighborsOfWorlds::find(s, first, n);
+      NeighborsOfWorlds::find(s, first);
   });
 }
 

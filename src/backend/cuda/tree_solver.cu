@@ -26,10 +26,9 @@ struct SolveTreeByBlock {
   }
 };
 
-/// SolveTree by one tile, body after body. A block does not leave the registers between assembly and
-/// elimination. Each lane reads the record of a body ahead of its turn, so that bodies do not wait for
-/// theirs. The tiles of a warp begin each body together: those that do not take turns, and the warp takes the
-/// sum of their times.
+/// SolveTree by one tile, body after body. No lane waits for those of other bodies, and a block does not
+/// leave the registers between assembly and elimination. Each lane reads the record of a body ahead of its
+/// turn, so that bodies do not wait for theirs.
 struct SolveTreeByTile {
   static constexpr int kLanes = TreeLane::kWidth;
   __device__ static void solve(const SolverData& s, const SmallTree& tree) {
@@ -42,23 +41,16 @@ struct SolveTreeByTile {
       if (first + tile.lane < tree.end) ahead[tile.lane] = NodeRecord::of(s, first + tile.lane);
       __syncwarp(tile.mask);
     };
-    const int most = __reduce_max_sync(kAllLanes, tree.end - tree.begin);
     int first = tree.begin;
-    for (int k = 0; k < most; ++k) {
-      __syncwarp();
-      const int n = tree.begin + k;
-      if (n >= tree.end) continue;
-      if (k % kLanes == 0) readAhead(first = n);
+    for (int n = tree.begin; n < tree.end; ++n) {
+      if (n == tree.begin || n == first + kLanes) readAhead(first = n);
       const NodeRecord& record = ahead[n - first];
       TreeLane::Columns columns = AssembleTreeJointsByTile::columnsOf(s, n, record, tile,
                                                                       rings[threadIdx.x / kLanes]);
       EliminateNodeByTile::eliminate(s, n, record.node, tile, columns);
       __syncwarp(tile.mask);
     }
-    for (int k = 0; k < most; ++k) {
-      __syncwarp();
-      const int n = tree.end - 1 - k;
-      if (n < tree.begin) continue;
+    for (int n = tree.end - 1; n >= tree.begin; --n) {
       if (n < first) readAhead(first = max(tree.begin, n + 1 - kLanes));
       SubstituteNodeByTile::substitute(s, n, ahead[n - first].node, tile);
       __syncwarp(tile.mask);
@@ -73,10 +65,10 @@ __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks)
   gate.enter([&] {
     const int thread = static_cast<int>(blockIdx.x * kTreeThreads + threadIdx.x),
               index = thread / Solve::kLanes;
-    SmallTree tree = index < count ? s.smallTree[index] : SmallTree{};
-    if (tree.begin < tree.end && s.treeConverged[tree.begin]) tree.end = tree.begin;
+    if (index >= count) return;
+    const SmallTree tree = s.smallTree[index];
+    if (tree.begin == tree.end || s.treeConverged[tree.begin]) return;
     Solve::solve(s, tree);
-    if (tree.begin == tree.end) return;
     // bypasses a stale L1 cache line
     const double share = treeShare(__ldcg(&s.treeMaxRotation[tree.begin]));
     for (int n = tree.begin + thread % Solve::kLanes; n < tree.end; n += Solve::kLanes)

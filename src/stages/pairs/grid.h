@@ -109,13 +109,11 @@ struct ComputeBounds {
   }
   /// Everything but the maxima of the level. Returns false if the body is not in the grid.
   RUBBLE_HD static bool place(const SolverData& s, int i) {
-    if (!isInGrid(s, i)) {
-      s.bounds[i].level = -1;
-      return false;
-    }
     const BodyParams& p = s.params[i];
+    Bounds& b = s.bounds[i];
+    b.level = -1;
+    if (!isInGrid(s, i)) return false;
     const Quat q = s.orientation[i];
-    Bounds b;
     b.path = pathAhead(s, i);
     const Vec3 sweep = Real(.5) * b.path;
     const Vec3 x(s.position[i]);
@@ -126,16 +124,16 @@ struct ComputeBounds {
     // unpaired_impacts.h sweeps bodies that leave this box
     b.center = x + sweep;
     b.half = boundingHalf(p.shape, q) + abs(sweep) + Vec3{grow, grow, grow};
-    b.level = 0;
+    int level = 0;
     const Real widest = max(kTurnedWay * p.radius, max(b.half.x, max(b.half.y, b.half.z)));
-    Real size = cellSize(0);
-    while (b.level < kGridSizes - 1 && widest > kLevelFill * size) ++b.level, size *= 2;
+    Real size = cellSize(level);
+    while (level < kGridSizes - 1 && widest > kLevelFill * size) ++level, size *= 2;
+    b.level = level;
     if (!wasStopped(s, i) && longestSide(b.path) > kLongPath * p.radius) {
       b.level += kGridSizes;
       atomicRaise(&s.counters->pathCells, s.cells);
     }
     b.x = cellOf(b.center.x, size), b.y = cellOf(b.center.y, size), b.z = cellOf(b.center.z, size);
-    s.bounds[i] = b;
     atomicCount(&s.bucketCount[bucketOf(s, layerOf(s.worldOf(i), b.level), b.x, b.y, b.z)], 1);
     return true;
   }
