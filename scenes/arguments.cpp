@@ -12,8 +12,8 @@ namespace rubble::scenes {
 using checks::text;
 
 std::string nearNames(const std::string& name, const std::vector<std::string>& names, const char* list) {
-  constexpr std::size_t kMany = 12, kMostNear = 8, kFarthest = 8;
-  const std::size_t tolerance = std::clamp<std::size_t>(name.size() / 3, 2, kFarthest);
+  constexpr std::size_t kMany = 12, kMostNear = 8;
+  const std::size_t tolerance = std::max<std::size_t>(2, name.size() / 3);
   std::vector<std::string> near;
   for (const std::string& candidate : names)
     if (candidate.find(name) != std::string::npos || editDistance(name, candidate, tolerance) <= tolerance)

@@ -117,9 +117,8 @@ TEST_F(CudaWorlds, SmallAndLargeWorldsHaveTheBitsThatTheyHaveAlone) {
   const Scene scenes[] = {heap(1), heap(10), heap(3)};
   constexpr int kKinds = 3, kCopies = 40;
   const auto begin = [&](Worlds& worlds, int w) {
-    const Scene& scene = scenes[w % kKinds];
-    worlds.add(scene);
-    worlds[worlds.count() - 1].removeBody(worlds[worlds.count() - 1].bodyAt(w % 7 + 1));
+    World& world = worlds[worlds.add(scenes[w % kKinds])];
+    world.removeBody(world.bodyAt(w % 7 + 1));
   };
   Worlds worlds(worldsOptions("cuda"));
   for (int w = 0; w < kKinds * kCopies; ++w) begin(worlds, w);

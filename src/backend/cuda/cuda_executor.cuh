@@ -228,8 +228,7 @@ class CudaExecutor : private ScanLauncher {
     });
   }
   void run(const FindNeighbors& kernel, int n) {
-    if (kStrict || peers_ || view().worlds == 1 || lanesFor<1, 2>(n, residentThreads()) > 1)
-      return search<FindNeighborsByTile>(kernel, n);
+    if (kStrict || peers_ || view().worlds == 1) return search<FindNeighborsByTile>(kernel, n);
     if (!begins() || n <= 0) return;
     enterStage(FindNeighbors::kStage);
     launchNext(findNeighborsOfWorlds, {blocksFor(n), kThreads}, FindNeighbors::kStage, view(), n,

@@ -45,13 +45,14 @@ class NeighborsOfWorlds {
   __device__ static void find(const SolverData& s, int first) {
     __shared__ Box boxes[kMostBoxes];
     // rows behind those of the last world belong to none
-    const int last = min(first + kThreads, s.firstBody[s.worlds]) - 1;
+    const int last = min(first + kThreads, s.bodiesEnd(s.worlds - 1)) - 1;
     if (first > last) return;
     const int thread = static_cast<int>(threadIdx.x), i = first + thread;
     const int begin = isScanned(s, s.worldOf(first)) ? s.bodiesBegin(s.worldOf(first)) : first,
               end = isScanned(s, s.worldOf(last)) ? s.bodiesEnd(s.worldOf(last)) : last + 1;
     __syncthreads();
-    for (int k = begin + thread; k < end; k += kThreads) boxes[k - begin] = Box(s.bounds[k]);
+    for (int k = begin + thread; k < end; k += kThreads)
+      boxes[k - begin] = {s.bounds[k].center, s.bounds[k].level, s.bounds[k].half};
     __syncthreads();
     if (i > last || !isInGrid(s, i)) return;
     const int world = s.worldOf(i);
@@ -65,19 +66,13 @@ class NeighborsOfWorlds {
   }
 
  private:
-  /// A block begins and ends within a world.
+  /// The first and the last body of a block may each be the only one of its world in it.
   static constexpr int kMostBoxes = kThreads + 2 * (kScannedBodies - 1);
   struct alignas(16) Box {
     Vec3 center;
     int level;
     Vec3 half;
-    int unused;
-    Box() = default;
-    __device__ explicit Box(const Bounds& b) : center(b.center), level(b.level), half(b.half), unused(0) {}
   };
-  __device__ static bool isScanned(const SolverData& s, int world) {
-    return s.bodiesEnd(world) - s.bodiesBegin(world) <= kScannedBodies;
-  }
 };
 static __global__ void __launch_bounds__(kThreads)
     findNeighborsOfWorlds(const __grid_constant__ SolverData s, int n, Gate gate) {

@@ -143,14 +143,17 @@ struct ComputeBounds {
 /// threads that search for them at the same time read the same ones. A vertex looks into few cells.
 inline constexpr int kScannedBodies = 128, kScannedByVertices = 16;
 
+RUBBLE_HD inline bool isScanned(const SolverData& s, int world, int most = kScannedBodies) {
+  return s.bodiesEnd(world) - s.bodiesBegin(world) <= most;
+}
+
 /// look(body, bounds) for the bodies of a world in the grid, if it has up to `most`; share of worker `lane`
 /// of `lanes`. Returns false if it has more.
 template <class Look>
 RUBBLE_HD bool scanWorld(const SolverData& s, int world, Look&& look, int lane = 0, int lanes = 1,
                          int most = kScannedBodies) {
-  const int begin = s.bodiesBegin(world), end = s.bodiesEnd(world);
-  if (end - begin > most) return false;
-  for (int k = begin + lane; k < end; k += lanes)
+  if (!isScanned(s, world, most)) return false;
+  for (int k = s.bodiesBegin(world) + lane, end = s.bodiesEnd(world); k < end; k += lanes)
     if (const Bounds& b = s.bounds[k]; b.level >= 0) look(k, b);
   return true;
 }

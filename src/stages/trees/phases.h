@@ -29,7 +29,7 @@ template <Executor E> void findSoftTrees(E& e) {
 }
 
 /// One solve of all trees. Trees with contacts are solved exactly only if no other block moves their bodies
-/// afterwards.
+/// afterwards. `atRest`: of BeginTrees.
 template <Executor E> void solveOnce(E& e, TreeSolve how, TreesOf of, Real atRest = 0) {
   const SolverData& s = e.view();
   e.forEach(BeginTrees{how, of, atRest}, s.treeNodes);
@@ -53,12 +53,12 @@ template <Executor E> void solve(E& e, bool last) {
     solveOnce(e, TreeSolve::Own, TreesOf::Attached);
 }
 
-/// One solve of all other trees, after the last sweep.
+/// The solves of all other trees, after the last sweep.
 template <Executor E> void solveLast(E& e) {
-  const int solves = nodesOf(e.view()) > 0 ? lastTreeSolves(e.view()) : 0;
-  for (int k = 0; k < solves; ++k)
-    solveOnce(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again, TreesOf::Rest,
-              k == 1 ? kTreeAtRest : kTreeSettled);
+  if (nodesOf(e.view()) == 0) return;
+  solveOnce(e, TreeSolve::Exact, TreesOf::Rest);
+  for (int k = 1; k < lastTreeSolves(e.view()); ++k)
+    solveOnce(e, TreeSolve::Again, TreesOf::Rest, k == 1 ? kTreeAtRest : kTreeSettled);
 }
 
 /// Projects joints that are open at the end of the step.

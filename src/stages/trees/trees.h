@@ -56,8 +56,8 @@ RUBBLE_HD inline TreeSolve treeSolveOf(const SolverData& s, const TreeNode& node
   return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
 }
 /// A tree in which no body rotates by more than this in a solve is skipped in the next one [rad]. What that
-/// would correct is of second order in it, or a limit violated by no more than twice as much. A repeated
-/// solve moves the tree by a small part of what the first one does, and meets few new limits.
+/// would correct is of second order in it, or a limit violated by no more than twice as much. kTreeAtRest:
+/// after the first solve. kTreeSettled: after a repeated one, which meets few new limits.
 inline constexpr Real kTreeAtRest = Real(.002), kTreeSettled = Real(.01);
 
 /// The trees that take part in a solve. Trees attached to deformable objects are solved before the last
