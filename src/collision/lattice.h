@@ -156,8 +156,9 @@ template <class Visit> RUBBLE_HD void visitCorners(const Convex& c, Visit&& visi
 /// Frame of the field; the other shape has center `at` and rotation q. n points from the field to the other
 /// shape; points are relative to the center of the field. The callback may lower `margin`.
 template <class Found>
-RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const ShapeData& other,
-                         const Vec3& at, const Quat& q, Real length, const Real& margin, Found&& found) {
+RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const ShapeTables& otherTables,
+                         const ShapeData& other, const Vec3& at, const Quat& q, Real length,
+                         const Real& margin, Found&& found) {
   const DistanceLattice lattice = latticeOf(tables, s);
   constexpr int kOfPoint = 0x4000;
   if (other.kind == ShapeKind::Plane) {
@@ -170,7 +171,7 @@ RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const Sh
     return;
   }
   if (other.kind == ShapeKind::Distance) {
-    const DistanceLattice second = latticeOf(tables, other);
+    const DistanceLattice second = latticeOf(otherTables, other);
     Vec3 n;
     for (int k = 0; k < lattice.pointCount; ++k) {
       const Vec3 x = xyz(lattice.points[k]);
@@ -187,11 +188,11 @@ RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const Sh
   if (other.kind == ShapeKind::Mesh || other.kind == ShapeKind::HeightField) {
     const Real depth = max(margin, kHeldFromBelow * length);
     const Vec3 reach{depth, depth, depth};
-    const bool twoSided = isTwoSided(tables, other);
+    const bool twoSided = isTwoSided(otherTables, other);
     for (int k = 0; k < lattice.pointCount; ++k) {
       const Vec3 x = xyz(lattice.points[k]), inOther = rotateInverse(q, x - at),
                  center = rotateInverse(q, -at);
-      visitTriangles(tables, other, inOther - reach, inOther + reach, [&](const SurfaceTriangle& t) {
+      visitTriangles(otherTables, other, inOther - reach, inOther + reach, [&](const SurfaceTriangle& t) {
         Vec3 n = normalize(cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]));
         // only if the point projects into the triangle
         for (int e = 0; e < 3; ++e)
@@ -208,7 +209,7 @@ RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const Sh
     }
     return;
   }
-  const Convex convexOther = convexOf(tables, other);
+  const Convex convexOther = convexOf(otherTables, other);
   const Real h = Real(1e-3) * length;
   for (int k = 0; k < lattice.pointCount; ++k) {
     const Vec3 x = xyz(lattice.points[k]), local = rotateInverse(q, x - at);
@@ -226,7 +227,7 @@ RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const Sh
 /// Contacts of a distance field and another shape.
 RUBBLE_HD inline void collideDistance(const ShapeTables& tables, const ShapeData& s, const ShapeData& other,
                                       const Vec3& at, const Quat& q, Real margin, SurfaceContacts& out) {
-  visitGaps(tables, s, other, at, q, out.length, margin,
+  visitGaps(tables, s, tables, other, at, q, out.length, margin,
             [&](const Vec3& n, const Vec3& onSurface, Real gap, int feature) {
               addSurfacePoint(out, n, onSurface, gap, feature);
             });

@@ -185,8 +185,9 @@ RUBBLE_HD inline Separation fieldSeparation(const PlacedAny& field, const Placed
   const Vec3 at(rotateInverse(field.q, between));
   const Quat q(conjugate(field.q) * other.q);
   Real margin = Real(1e30);
-  visitGaps(field.tables, field.shape, other.shape, at, q, 2 * (sizeO > Real(0) ? min(sizeF, sizeO) : sizeF),
-            margin, [&](const Vec3& n, const Vec3& onSurface, Real gap, int) {
+  visitGaps(field.tables, field.shape, other.tables, other.shape, at, q,
+            2 * (sizeO > Real(0) ? min(sizeF, sizeO) : sizeF), margin,
+            [&](const Vec3& n, const Vec3& onSurface, Real gap, int) {
               if (gap >= margin) return;
               margin = gap;
               out.distance = static_cast<double>(gap);

@@ -98,18 +98,49 @@ TEST(QuerySurface, NearestPointsAndOverlapsAreThoseOfTheNearestTriangle) {
   }
 }
 
-TEST(QueryField, AgreesWithTheBallThatItSamples) {
-  // a ball of radius 1 on a lattice of 0.1, away from the middle of its lattice: chords of 0.1 lie 0.00125
-  // inside
+/// A ball of radius 1 on a lattice of 0.1, away from the middle of its lattice: chords of 0.1 lie 0.00125
+/// inside.
+BodyDef sampledBall() {
   constexpr int kN = 31;
   const Vec3 origin{-1.3, -1.4, -1.6};
   std::vector<double> samples;
   for (int z = 0; z < kN; ++z)
     for (int y = 0; y < kN; ++y)
       for (int x = 0; x < kN; ++x) samples.push_back(length(origin + .1 * Vec3{1. * x, 1. * y, 1. * z}) - 1);
-  Scene scene = test::emptyScene();
   BodyDef ball = test::body(Shape::distanceField({kN, kN, kN}, origin, .1, samples), {3, 2, 1});
   ball.orientation = fromAxisAngle(normalize(Vec3{1, -2, 3}), 1.1);
+  return ball;
+}
+
+/// The shape of a query has tables of its own.
+TEST(QueryField, MeetsAHullAsTheBoxOfItsCorners) {
+  Scene scene = test::emptyScene();
+  const BodyDef ball = sampledBall();
+  scene.bodies.push_back(ball);
+  World world(scene, test::options());
+  test::Random random(29);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 half{random.uniform(.1, .5), random.uniform(.1, .5), random.uniform(.1, .5)};
+    std::vector<Vec3> corners;
+    for (int k = 0; k < 8; ++k)
+      corners.push_back({k & 1 ? half.x : -half.x, k & 2 ? half.y : -half.y, k & 4 ? half.z : -half.z});
+    const Shape box = Shape::box(half), hull = Shape::hull(corners);
+    const Vec3 from = ball.position + 4 * random.direction(), way = 1.5 * (ball.position - from);
+    const Quat q = random.rotation();
+    const auto casts = world.castShapes(
+        std::vector{CastQuery{box, from, q, way, {}}, CastQuery{hull, from, q, way, {}}});
+    ASSERT_TRUE(casts[0].hit && casts[1].hit) << i;
+    EXPECT_NEAR(6 * casts[1].fraction, 6 * casts[0].fraction, .02) << i;
+    const Vec3 beside = ball.position + random.vector(2);
+    const auto found = world.overlaps(
+        std::vector{OverlapQuery{box, beside, q, {}}, OverlapQuery{hull, beside, q, {}}});
+    EXPECT_EQ(found[0].size(), found[1].size()) << i;
+  }
+}
+
+TEST(QueryField, AgreesWithTheBallThatItSamples) {
+  Scene scene = test::emptyScene();
+  const BodyDef ball = sampledBall();
   scene.bodies.push_back(ball);
   World world(scene, test::options());
   constexpr double kChord = .004;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "tests/support/expect.h"
+#include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 namespace rubble {
@@ -87,6 +88,26 @@ TEST(StepReport, CountsBodiesWhoseSpinIsLimited) {
   // 2 rad per step
   EXPECT_NEAR(world.state(world.bodyAt(1)).angularVelocity.z, 120, 1e-3);
   EXPECT_NEAR(world.state(world.bodyAt(0)).angularVelocity.z, 100, 1e-3);
+}
+
+/// A long rotation of a group of bodies overflowed, and left them without an orientation.
+TEST(Quarantine, LeavesEveryOrientationOfLengthOneUnderGravityOfAnySize) {
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    test::Random random(seed);
+    Scene scene = test::tower(1);
+    for (int i = 0; i < 3; ++i) scene.bodies.push_back(test::unitCube({1.5 * (i + 2), 0, .5}));
+    scene.bodies[2].shape = Shape::sphere(.4);
+    scene.joints = {jointAt(scene, JointType::Hinge, 2, 3, {3.8, 0, .5})};
+    World world(scene, options(2));
+    for (int step = 0; step < 4; ++step) {
+      world.setGravity(random.vector(random.logUniform(1e3, 1e18)));
+      world.step();
+      for (const BodyId id : world.bodies()) {
+        const Quat q = world.state(id).orientation;
+        ASSERT_NEAR(q.s * q.s + dot(q.v, q.v), 1, 1e-4) << "seed " << seed << ", body " << id.index;
+      }
+    }
+  }
 }
 
 TEST(Quarantine, FreezesABodyThatIsNotFiniteAndLetsTheRestGoOn) {

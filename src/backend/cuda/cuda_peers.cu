@@ -238,7 +238,7 @@ void CudaPeers::restart() {
 std::vector<RankReport> CudaPeers::reports() const {
   std::vector<RankReport> out;
   for (int r = 0; r < data_.ranks; ++r) {
-    const PeerSums& of = impl_->sumsOfStep->of[r];
+    const PeerSums::Counts& of = impl_->sumsOfStep->of[r].counts;
     out.push_back({.bodies = of.bodies, .ghosts = of.ghosts, .rows = of.rows, .migrated = of.migrated});
   }
   return out;

@@ -241,8 +241,10 @@ void PeerDivision::share(Share what, int which) {
       swaps_ = false;
       reports_.clear();
       for (const PeerSums& of : sums_)
-        reports_.push_back(
-            {.bodies = of.bodies, .ghosts = of.ghosts, .rows = of.rows, .migrated = of.migrated});
+        reports_.push_back({.bodies = of.counts.bodies,
+                            .ghosts = of.counts.ghosts,
+                            .rows = of.counts.rows,
+                            .migrated = of.counts.migrated});
       return;
     default:
       return peers::share(*this, what, which);

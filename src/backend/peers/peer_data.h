@@ -106,8 +106,11 @@ struct PeerHome {
 struct PeerSums {
   int bounces;             ///< of its counters
   int broken, brokenNear;  ///< joints that broke: those that it counts, and all near ones
-  int contacts, recycled, failedSolves, boundedSteps;
-  int bodies, ghosts, rows, migrated;  ///< RankReport
+  /// Of the whole step. It may come while another rank still adds up what broke.
+  struct Counts {
+    int contacts, recycled, failedSolves, boundedSteps;
+    int bodies, ghosts, rows, migrated;  ///< RankReport
+  } counts;
 };
 
 struct PeerRank;

@@ -410,9 +410,9 @@ struct ShareProjections : PeerPost {
     });
   }
 };
-struct ShareSumsOfStep : PeerPost {
+struct ShareWhatBroke : PeerPost {
   RUBBLE_HD void operator()(const SolverData&, int) const {
-    forEachPeer(p, [&](const PeerTables& to) { to.put(to.p.sums[p.rank], p.sums[p.rank]); });
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.p.sums[p.rank].broken, p.sums[p.rank].broken); });
   }
 };
 /// `countsNear`: the counter of the step has all near joints that broke, and else those that this rank
@@ -430,14 +430,15 @@ struct CountContacts : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.hasRows[i] == 0 || p.counts(NearActivePair{p}.ownerOf(s, i))) return;
     const Manifold& m = s.manifold[i];
-    atomicCount(&p.sums[p.rank].contacts, countPoints(m.activePoints));
-    if (m.recycled) atomicCount(&p.sums[p.rank].recycled, 1);
+    PeerSums::Counts& own = p.sums[p.rank].counts;
+    atomicCount(&own.contacts, countPoints(m.activePoints));
+    if (m.recycled) atomicCount(&own.recycled, 1);
   }
 };
 /// Ends the part of this rank. What CountContacts counted is of others.
 struct CountPart : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int) const {
-    PeerSums& own = p.sums[p.rank];
+    PeerSums::Counts& own = p.sums[p.rank].counts;
     own.contacts = s.counters->contacts - own.contacts;
     own.recycled = s.counters->recycled - own.recycled;
     own.failedSolves = s.counters->failedSolves, own.boundedSteps = s.counters->boundedSteps;
@@ -448,12 +449,17 @@ struct CountPart : PeerKernel {
     p.cut->holdsAll = 0;
   }
 };
+struct ShareCountsOfStep : PeerPost {
+  RUBBLE_HD void operator()(const SolverData&, int) const {
+    forEachPeer(p, [&](const PeerTables& to) { to.put(to.p.sums[p.rank].counts, p.sums[p.rank].counts); });
+  }
+};
 struct TakeCounts : PeerKernel {
   RUBBLE_HD void operator()(const SolverData& s, int) const {
     Counters& c = *s.counters;
     c.contacts = c.recycled = c.failedSolves = c.boundedSteps = 0;
     for (int r = 0; r < p.ranks; ++r) {
-      const PeerSums& of = p.sums[r];
+      const PeerSums::Counts& of = p.sums[r].counts;
       c.contacts += of.contacts, c.recycled += of.recycled;
       c.failedSolves += of.failedSolves, c.boundedSteps += of.boundedSteps;
     }

@@ -161,7 +161,7 @@ template <class F> struct CountMigratedJoints {
   static constexpr const char* kStage = "owners";
   PeerData p;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (migrates(p, endsOfJoint<F>(s, i))) atomicCount(&p.sums[p.rank].migrated, 1);
+    if (migrates(p, endsOfJoint<F>(s, i))) atomicCount(&p.sums[p.rank].counts.migrated, 1);
   }
 };
 

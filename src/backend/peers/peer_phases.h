@@ -194,7 +194,7 @@ template <class M> void shareBreaks(M& m) {
   if (!m.tables().hasJoints()) return;
   eachJointType(m, [&]<class F>(int) { m.eachOf(listOfJoints<F>(PeerJoints::Own), CountBreaks<F>{{p}}); });
   eachJointType(m, [&]<class F>(int) { m.eachOf(listOfJoints<F>(PeerJoints::Own), ShareBreaks<F>{{{p}}}); });
-  m.each(ShareSumsOfStep{{{p}}}, 1);
+  m.each(ShareWhatBroke{{{p}}}, 1);
   m.barrier();
   m.each(TakeBreaks{{p}, M::kCountsNear}, 1);
 }
@@ -216,7 +216,7 @@ template <class M> void shareProjections(M& m) {
 template <class M> void shareCounts(M& m) {
   const PeerData p = m.data();
   m.each(CountPart{{p}}, 1);
-  m.each(ShareSumsOfStep{{{p}}}, 1);
+  m.each(ShareCountsOfStep{{{p}}}, 1);
   m.barrier();
   m.each(TakeCounts{{p}}, 1);
 }

@@ -363,7 +363,7 @@ struct FinishBodies {
       const Real kept = keptMotion(s, i, end.q, end.v, end.w);
       end.v *= kept, end.w *= kept;
     }
-    if (!isFinite(end.v) || !isFinite(end.w)) {
+    if (!isFinite(end.v) || !isFinite(end.w) || !isFinite(end.q.v) || !isFinite(end.q.s)) {
       atomicCount(&s.counters->quarantined, 1);
       s.velocity[i] = s.angularVelocity[i] = s.previousVelocity[i] = {0, 0, 0};
       return;
