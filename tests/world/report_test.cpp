@@ -90,7 +90,7 @@ TEST(StepReport, CountsBodiesWhoseSpinIsLimited) {
   EXPECT_NEAR(world.state(world.bodyAt(0)).angularVelocity.z, 100, 1e-3);
 }
 
-/// A long rotation of a group of bodies overflowed, and left them without an orientation.
+/// The rotation of an aggregate may overflow, which leaves its bodies without an orientation.
 TEST(Quarantine, LeavesEveryOrientationOfLengthOneUnderGravityOfAnySize) {
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
     test::Random random(seed);

@@ -270,19 +270,16 @@ template <class L> struct SumSlice {
   }
 };
 
-/// The step of an aggregate from its summed force and Hessian: under-relaxed, shortened where it rotates by
-/// more than kLargestRotation, and zero if it is not finite. `mass`, `inertia` over dt^2. `bounded` is set if
-/// the Newton step exceeds the work bound (solver/block.h); the diagonal step replaces it then.
+/// The step of an aggregate from its summed force and Hessian: under-relaxed, and zero if it is not finite.
+/// `mass`, `inertia` over dt^2. `bounded` is set if the Newton step exceeds the work bound (solver/block.h);
+/// the diagonal step replaces it then.
 RUBBLE_HD inline Vec6 aggregateStep(const Block6& block, Real mass, const Sym3& inertia, bool& bounded) {
   Vec6 dx = newtonStep(block);
   const Vec6 none{{0, 0, 0}, {0, 0, 0}};
   if (!isFinite(dx.lin) || !isFinite(dx.ang)) return none;
   bounded = !isWithinWork(block, mass, inertia, dx);
   if (bounded) dx = diagonalStep(block);
-  if (!isFinite(dx.lin) || !isFinite(dx.ang)) return none;
-  const Real turn = length(dx.ang);
-  return (turn > kLargestRotation ? kAggregateRelaxation * (kLargestRotation / turn) : kAggregateRelaxation) *
-         dx;
+  return isFinite(dx.lin) && isFinite(dx.ang) ? kAggregateRelaxation * dx : none;
 }
 /// For an aggregate whose block contains its inertia; the step must only not work against the forces.
 RUBBLE_HD inline Vec6 aggregateStep(const Block6& block) {
