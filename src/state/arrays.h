@@ -78,6 +78,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::subcellFirst, "subcellFirst", "", Per::PathCell, Lifetime::Unordered);
   is(&SolverData::subcellNext, "subcellNext", "", Per::PathCell, Lifetime::Unordered);
   is(&SolverData::pairSlot, "pairSlot", "", Per::BodySlot, Lifetime::Unordered);
+  is(&SolverData::neighborSearch, "neighborSearch", "m", Per::Body, Lifetime::Unordered);
   is(&SolverData::pairCount, "pairCount", "", Per::Body, Lifetime::Work);
   is(&SolverData::impactSpeedBound, "impactSpeedBound", "m/s", Per::Body, Lifetime::Work);
   is(&SolverData::target, "target", "", Per::Body, Lifetime::Work);

@@ -96,6 +96,17 @@ struct Bounds {
   int x, y, z;        ///< cell
 };
 
+/// What the last search for the neighbors of a body depended on, and what it found
+/// (stages/pairs/lasting_search.h). All 0: there was none.
+struct NeighborSearch {
+  Vec3 center;             ///< of its bounds, or the position of a plane [m]
+  int layer;               ///< of its grid entry; negative: it was in none
+  Vec3 half;               ///< of its bounds with the slack of the search [m], or the normal of a plane
+  int bodies;              ///< SolverData::bodies
+  int found;               ///< neighbors that it owns; more than kPairSlots: they are searched in each step
+  std::uint32_t partners;  ///< bit k: slot k is a partner in this step
+};
+
 /// Bounds of the long paths in a bucket of the grid (stages/pairs/long_paths.h); all 0: there are none.
 struct alignas(32) CellPaths {
   int most[2][3];  ///< kCellOrigin minus the lowest path and plus the highest, in kPathSteps of the cell
@@ -294,6 +305,7 @@ inline constexpr int kListedBodies = 8;
 struct Counters {
   int pairs, activePairs, manifolds, incidences, colors;
   int pathCells;  ///< buckets that store long paths: all of the grid, or none
+  int searched;   ///< 1: neighbors are searched in this step
   int contacts, recycled, newPairs, tested;
   int aggregates, slices, boundary;
   int clashing, clashes, rounds;  ///< nodes that need a new color, color conflicts left, and coloring rounds

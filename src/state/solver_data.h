@@ -24,6 +24,7 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   /// has in a batch of its own on a device, too.
   bool fixedOrder = false;
   bool anyKinds = false;  ///< true: kernels are those for all kinds of constraints, whatever occurs here
+  bool searchesAlways = false;  ///< true: neighbors are searched in every step
   int planes = 0;
   int surfaces = 0;                    ///< materials in the shared table
   int materialRules = 0;               ///< rules of pairs of materials
@@ -102,15 +103,16 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<int> asleep = nullptr;             ///< 1 + the root body of the sleeping island, or 0: awake
   Array<Real> stillTime = nullptr;  ///< time since the body last moved faster than the sleep threshold [s]
   // bodies: work
-  Array<Bounds> bounds = nullptr;         ///< swept AABBs
-  Array<int> bucketCount = nullptr;       ///< bodies per bucket
-  Array<int> bucketOffset = nullptr;      ///< [cells + 1]
-  Array<GridEntry> grid = nullptr;        ///< bodies sorted by bucket
-  Array<CellPaths> cellPaths = nullptr;   ///< bounds of the long paths in each bucket
-  Array<int> subcellFirst = nullptr;      ///< 1 + the first body of each bucket of subcells; 0: none
-  Array<int> subcellNext = nullptr;       ///< 1 + the next one after a body; 0: none
-  Array<int> pairSlot = nullptr;          ///< [bodies][kPairSlots] partners found by the broad phase
-  Array<int> pairCount = nullptr;         ///< pairs that the body owns
+  Array<Bounds> bounds = nullptr;                  ///< swept AABBs
+  Array<int> bucketCount = nullptr;                ///< bodies per bucket
+  Array<int> bucketOffset = nullptr;               ///< [cells + 1]
+  Array<GridEntry> grid = nullptr;                 ///< bodies sorted by bucket
+  Array<CellPaths> cellPaths = nullptr;            ///< bounds of the long paths in each bucket
+  Array<int> subcellFirst = nullptr;               ///< 1 + the first body of each bucket of subcells; 0: none
+  Array<int> subcellNext = nullptr;                ///< 1 + the next one after a body; 0: none
+  Array<int> pairSlot = nullptr;                   ///< [bodies][kPairSlots] neighbors of the last search
+  Array<NeighborSearch> neighborSearch = nullptr;  ///< the last search of each body
+  Array<int> pairCount = nullptr;                  ///< pairs that the body owns
   Array<int> impactSpeedBound = nullptr;  ///< bound of the speed that an impact may give the body in this
                                           ///< step, as the bits of a float [m/s]
   Array<BodyTarget> target = nullptr;     ///< inertial target

@@ -170,6 +170,7 @@ void abandonStep(HostTables& tables) {
   std::ranges::fill(firstOf(s.oldPairOffset, s.bodies + 1), 0);
   std::ranges::fill(firstOf(s.oldPointPairOffset, s.owners() + 1), 0);
   s.oldActivePairOffset[0] = 0;
+  std::ranges::fill(firstOf(s.neighborSearch, s.bodies), NeighborSearch{});
   tables.trees.touchAll();
   // reserving may have moved the manifold tables
   tables.aliasRows();

@@ -21,6 +21,8 @@ void planTrees(HostTables& tables);
 
 /// Copies the counters of a step to its report.
 void reportCounters(const SolverData& s, StepReport& report);
+/// Adds what a substep has counted and the next one does not.
+void noteSubstep(const Counters& c, StepReport& report);
 
 /// Sets counters and constants of the next step.
 void beginStep(SolverData& s, const EngineSettings& settings, double previousDt);
@@ -119,6 +121,7 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   void divide(Division* division) {
     executor_.divide(division);
     divided_ = division != nullptr;
+    executor_.view().searchesAlways |= divided_;
   }
 
  private:

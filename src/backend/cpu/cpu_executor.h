@@ -41,9 +41,9 @@ class CpuExecutor {
   void observe(KernelObserver observer) { observer_ = std::move(observer); }
   /// Divides steps among ranks; null: this executor runs all of a step.
   void divide(Division* division) { division_ = division; }
-  /// Disables SIMD kernels and privatized counts: from now on each loop takes its elements one by one, the
-  /// last one first. Results must not depend on it.
-  void takeBackward() { backward_ = true; }
+  /// Disables SIMD kernels, privatized counts and searches that last: from now on each loop takes its
+  /// elements one by one, the last one first. Results must not depend on it.
+  void takeBackward() { backward_ = view().searchesAlways = true; }
 
   /// Most ranges that loops have use for.
   int threads() const { return threads_.count(); }

@@ -41,13 +41,14 @@ template <int kTile> using FindNeighborsByTile = SearchByTile<FindNeighbors, kTi
 /// memory, where a look does not wait for the cache (5 % of a step of `loose`).
 class NeighborsOfWorlds {
  public:
-  /// Of the bodies [first, first + kThreads). All threads of a block call it.
-  __device__ static void find(const SolverData& s, int first) {
+  /// Of the bodies [first, first + kThreads) of n. All threads of a block call it.
+  __device__ static void find(const SolverData& s, int first, int n) {
     __shared__ Box boxes[kMostBoxes];
+    const int thread = static_cast<int>(threadIdx.x), i = first + thread;
+    if (i < n) s.neighborSearch[i] = searchOf(s, i);
     // rows behind those of the last world belong to none
     const int last = min(first + kThreads, s.bodiesEnd(s.worlds - 1)) - 1;
     if (first > last) return;
-    const int thread = static_cast<int>(threadIdx.x), i = first + thread;
     const int begin = isScanned(s, s.worldOf(first)) ? s.bodiesBegin(s.worldOf(first)) : first,
               end = isScanned(s, s.worldOf(last)) ? s.bodiesEnd(s.worldOf(last)) : last + 1;
     __syncthreads();
@@ -56,13 +57,14 @@ class NeighborsOfWorlds {
     __syncthreads();
     if (i > last || !isInGrid(s, i)) return;
     const int world = s.worldOf(i);
-    if (!isScanned(s, world)) return FindNeighbors{}(s, i);
+    if (!isScanned(s, world)) return FindNeighbors::find(s, i);
     const Bounds b = s.bounds[i];
     if (isLongLevel(b.level)) return;
     for (int k = s.bodiesBegin(world); k < s.bodiesEnd(world); ++k)
-      if (const Box box = boxes[k - begin]; box.level >= 0 && isPartnerInScan(i, b, k, box))
-        storePartner(s, i, k, false);
-    searchPlanes(s, world, b, [&](int plane) { storePartner(s, i, plane, false); });
+      if (const Box box = boxes[k - begin];
+          box.level >= 0 && isAhead(i, b, k, box.level) && boundsTouch(box, searchBox(b, box.level)))
+        storeNeighbor(s, i, k, false);
+    searchPlanes(s, world, searchBox(b, b.level), [&](int plane) { storeNeighbor(s, i, plane, false); });
   }
 
  private:
@@ -77,9 +79,10 @@ class NeighborsOfWorlds {
 static __global__ void __launch_bounds__(kThreads)
     findNeighborsOfWorlds(const __grid_constant__ SolverData s, int n, Gate gate) {
   gate.enter([&] {
+    if (s.counters->searched == 0) return;
     for (int first = static_cast<int>(blockIdx.x) * kThreads; first < n;
          first += static_cast<int>(gridDim.x) * kThreads)
-      NeighborsOfWorlds::find(s, first);
+      NeighborsOfWorlds::find(s, first, n);
   });
 }
 
@@ -147,9 +150,13 @@ template <int kTile> struct FindPairsByTile {
   static constexpr int kWidth = kTile;
   FindPairs<false> search;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
-    const int near = s.pairCount[i];
-    if (collidesWithAll(s, i)) return;
+    NeighborSearch& search = s.neighborSearch[i];
+    const int near = s.bounds[i].level >= 0 ? neighborsOf(s, i) : 0;
     int* const slots = s.pairSlot + i * kPairSlots;
+    const auto finish = [&](std::uint32_t partners, int count) {
+      __syncwarp(tile.mask);
+      if (tile.lane == 0) search.found = near, search.partners = partners, s.pairCount[i] = count;
+    };
     if (near > kPairSlots) {
       __shared__ int counts[kThreads / kWidth];
       int& partners = counts[threadIdx.x / kWidth];
@@ -162,19 +169,14 @@ template <int kTile> struct FindPairsByTile {
           },
           tile.lane, kWidth);
       __syncwarp(tile.mask);
-      if (tile.lane == 0) s.pairCount[i] = partners;
-      return;
+      return finish((1u << min(partners, kPairSlots)) - 1, partners);
     }
-    int count = 0;
+    std::uint32_t partners = 0;
     for (int base = 0; base < near; base += kWidth) {
-      const int k = base + tile.lane, other = k < near ? slots[k] : -1;
-      const bool partner = other >= 0 && mayCollide(s, i, other);
-      const unsigned partners = tile.ballot(partner);
-      if (partner) slots[count + __popc(partners & ((1u << tile.lane) - 1))] = other;
-      count += __popc(partners);
+      const int k = base + tile.lane;
+      partners |= tile.ballot(k < near && FindPairs<false>::isPartner(s, i, slots[k])) << base;
     }
-    __syncwarp(tile.mask);
-    if (tile.lane == 0) s.pairCount[i] = count;
+    finish(partners, __popc(partners));
   }
 };
 

@@ -2,6 +2,7 @@
 /// Broad phase: the search for pairs in the grid. A body searches its own level and all coarser ones. Two
 /// bodies are partners if their swept boxes touch and, with long paths, if they come near on these.
 #include "stages/pairs/filter.h"
+#include "stages/pairs/lasting_search.h"
 #include "stages/pairs/long_paths.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -142,30 +143,37 @@ RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& 
   searchPlanes(s, world, way, found, lane, lanes);
 }
 
-/// In a scan, is a body with the box `its` a partner that body i finds, if neither has a long path?
-template <class Box> RUBBLE_HD bool isPartnerInScan(int i, const Bounds& b, int other, const Box& its) {
-  if (isLongLevel(its.level) || its.level < b.level || (its.level == b.level && other <= i)) return false;
-  return boundsTouch(its, b);
+/// In a scan, does a body in the box `its` come before, or after, body i in a search with `b`?
+RUBBLE_HD inline bool isAhead(int i, const Bounds& b, int other, int level) {
+  return !isLongLevel(level) && (level > b.level || (level == b.level && other > i));
 }
 
-/// found(other, otherOwns) for the partners of body i if neither has a long path: in its own level those that
-/// kAhead names, in coarser levels all. Share of worker `lane` of `lanes`.
-template <Ahead kAhead, class Found>
+/// What a search for neighbors looks for: those whose boxes touch, or with the slack of a lasting search.
+enum class Reach { Touching, Lasting };
+/// The box in which a body with the bounds `b` searches a level.
+template <Reach kReach> RUBBLE_HD Bounds boxFor(const Bounds& b, int level) {
+  return kReach == Reach::Lasting ? searchBox(b, level) : b;
+}
+
+/// found(other, otherOwns) for the neighbors of body i if neither has a long path: in its own level those
+/// that kAhead names, in coarser levels all. Share of worker `lane` of `lanes`.
+template <Ahead kAhead, Reach kReach, class Found>
 RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
   if (!isInGrid(s, i)) return;
   const Bounds& b = s.bounds[i];
   if (isLongLevel(b.level)) return;
   const int world = s.worldOf(i);
   const auto scan = [&](int other, const Bounds& its) {
-    if (isPartnerInScan(i, b, other, its)) found(other, false);
+    if (isAhead(i, b, other, its.level) && boundsTouch(its, boxFor<kReach>(b, its.level)))
+      found(other, false);
   };
   const bool scanned = scanWorld(s, world, scan, lane, lanes);
   for (int level = b.level; !scanned && level < kGridSizes; ++level)
     searchLevel(
-        s, i, b, level, level == b.level ? kAhead : Ahead::All,
+        s, i, boxFor<kReach>(b, level), level, level == b.level ? kAhead : Ahead::All,
         [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
   searchPlanes(
-      s, world, b, [&](int plane) { found(plane, false); }, lane, lanes);
+      s, world, boxFor<kReach>(b, b.level), [&](int plane) { found(plane, false); }, lane, lanes);
 }
 /// The same if one of the two has a long path.
 template <Ahead kAhead, class Found>
@@ -206,25 +214,30 @@ RUBBLE_HD void searchPartners(const SolverData& s, int i, Found&& found, int lan
   const auto foundPartner = [&](int other, bool) {
     if (mayCollide(s, i, other)) found(other);
   };
-  searchBounds<Ahead::InNumber>(s, i, foundPartner, lane, lanes);
+  searchBounds<Ahead::InNumber, Reach::Touching>(s, i, foundPartner, lane, lanes);
   if (s.counters->pathCells > 0) searchPaths<Ahead::InNumber>(s, i, foundPartner, lane, lanes);
 }
 
-/// Stores a pair with its owner. In cells of one size that is the body of lower index, else the one in the
-/// finer cells. The first kPairSlots are stored, in no fixed order.
-RUBBLE_HD inline void storePartner(const SolverData& s, int i, int other, bool otherOwns) {
+/// Stores a neighbor with its owner. In cells of one size that is the body of lower index, else the one in
+/// the finer cells. The first kPairSlots are stored, in no fixed order.
+RUBBLE_HD inline void storeNeighbor(const SolverData& s, int i, int other, bool otherOwns) {
   const int owner = otherOwns ? other : i;
   const int slot = atomicCount(&s.pairCount[owner], 1);
   if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
 }
-/// Finds partners without long paths.
+/// Finds neighbors without long paths, if the last search holds no longer.
 struct FindNeighbors {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
-    searchBounds<Ahead::InPlace>(
-        s, i, [&](int other, bool otherOwns) { storePartner(s, i, other, otherOwns); }, lane, lanes);
+    if (s.counters->searched == 0) return;
+    if (lane == 0) s.neighborSearch[i] = searchOf(s, i);
+    find(s, i, lane, lanes);
+  }
+  RUBBLE_HD static void find(const SolverData& s, int i, int lane = 0, int lanes = 1) {
+    searchBounds<Ahead::InPlace, Reach::Lasting>(
+        s, i, [&](int other, bool otherOwns) { storeNeighbor(s, i, other, otherOwns); }, lane, lanes);
   }
 };
 /// Finds partners of which one has a long path. It is a separate kernel so that the other one stays small.
@@ -234,36 +247,48 @@ struct FindPathNeighbors {
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     searchPaths<Ahead::InPlace>(
-        s, i, [&](int other, bool otherOwns) { storePartner(s, i, other, otherOwns); }, lane, lanes);
+        s, i, [&](int other, bool otherOwns) { storeNeighbor(s, i, other, otherOwns); }, lane, lanes);
   }
 };
 
-/// Keeps the bodies that may collide as partners, and counts the pairs of parts. `kParts` false: no body has
-/// parts, and the kernel stays small.
+/// Finds the neighbors that are partners, and counts the pairs of parts. `kParts` false: no body has parts,
+/// and the kernel stays small.
 template <bool kParts> struct FindPairs {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    int* const slots = s.pairSlot + i * kPairSlots;
-    const int near = s.pairCount[i];
-    if (!kParts && collidesWithAll(s, i)) return;
-    int count = 0, partners = 0;
-    const auto take = [&](int other) {
-      const int without = count;
-      if constexpr (kParts)
-        forEachPartPair(s, i, other, [&](int, int) { ++count; });
-      else
-        ++count;
-      if (count == without) return;
-      if (partners < kPairSlots) slots[partners] = other;
-      ++partners;
-    };
-    if (near > kPairSlots) {
-      searchPartners(s, i, take);
-    } else {
-      for (int k = 0; k < near; ++k)
-        if (const int other = slots[k]; mayCollide(s, i, other)) take(other);
+    NeighborSearch& search = s.neighborSearch[i];
+    search.found = neighborsOf(s, i), search.partners = 0;
+    int count = 0;
+    if (s.bounds[i].level >= 0) {
+      int* const slots = s.pairSlot + i * kPairSlots;
+      const auto take = [&](int other, int slot) {
+        const int pairs = pairsWith(s, i, other);
+        if (pairs > 0 && slot < kPairSlots) search.partners |= 1u << slot;
+        count += pairs;
+        return pairs > 0;
+      };
+      if (search.found > kPairSlots) {
+        int partners = 0;
+        searchPartners(s, i, [&](int other) {
+          if (partners < kPairSlots) slots[partners] = other;
+          if (take(other, partners)) ++partners;
+        });
+      } else {
+        for (int k = 0; k < search.found; ++k)
+          if (isPartner(s, i, slots[k])) take(slots[k], k);
+      }
     }
     s.pairCount[i] = count;
+  }
+  /// Is a neighbor of a body in the grid its partner?
+  RUBBLE_HD static bool isPartner(const SolverData& s, int i, int other) {
+    return arePartners(s, i, other) && mayCollide(s, i, other);
+  }
+  RUBBLE_HD static int pairsWith(const SolverData& s, int i, int other) {
+    if constexpr (!kParts) return 1;
+    int count = 0;
+    forEachPartPair(s, i, other, [&](int, int) { ++count; });
+    return count;
   }
 };
 
@@ -272,16 +297,18 @@ template <bool kParts> struct WritePairs {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int begin = s.pairOffset[i], count = s.pairOffset[i + 1] - begin;
-    const int* const slots = s.pairSlot + i * kPairSlots;
+    const auto forEachPartner = [&](auto&& visit) {
+      for (unsigned left = s.neighborSearch[i].partners; left != 0; left &= left - 1)
+        visit(s.pairSlot[i * kPairSlots + lowestBit(left)]);
+    };
     if constexpr (!kParts) {
       if (count <= kPairSlots) {
         // one pair per partner: its rank is its place
-        for (int k = 0; k < count; ++k) {
-          const int other = slots[k];
+        forEachPartner([&](int partner) {
           int place = begin;
-          for (int j = 0; j < count; ++j) place += slots[j] < other;
-          s.pair[place] = pairOf(s, i, other);
-        }
+          forEachPartner([&](int other) { place += other < partner; });
+          s.pair[place] = pairOf(s, i, partner);
+        });
         return;
       }
     }
@@ -298,10 +325,11 @@ template <bool kParts> struct WritePairs {
       else
         insertPair(pairOf(s, i, other));
     };
-    if (count > kPairSlots) return searchPartners(s, i, insert);
     // every partner has at least one pair, so there are no more partners than pairs
-    int slot = 0;
-    while (n < count) insert(slots[slot++]);
+    if (count > kPairSlots)
+      searchPartners(s, i, insert);
+    else
+      forEachPartner(insert);
   }
 };
 

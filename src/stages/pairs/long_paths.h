@@ -27,8 +27,10 @@ RUBBLE_HD inline bool pathsMeet(const SolverData& s, int i, int j) {
 }
 /// Does the broad phase pair body i, which is in the grid, with body j or plane j, if they may collide?
 RUBBLE_HD inline bool arePartners(const SolverData& s, int i, int j) {
-  if (s.params[j].shape.kind == ShapeKind::Plane) return touchesPlane(s, j, s.bounds[i]);
   const Bounds &a = s.bounds[i], &b = s.bounds[j];
+  if (b.level < 0)
+    return s.params[j].kind != BodyKind::Removed && s.params[j].shape.kind == ShapeKind::Plane &&
+           touchesPlane(s, j, a);
   return boundsTouch(a, b) && (!(isLongLevel(a.level) || isLongLevel(b.level)) || pathsMeet(s, i, j));
 }
 

@@ -27,6 +27,7 @@ template <Executor E> void find(E& e) {
   e.forEach(ClearCellPaths{}, &Counters::pathCells);
   e.forEach(FillGrid{}, bodies);
   e.forEach(LinkSubcells{}, &Counters::pathCells);
+  e.forEach(CheckNeighbors{}, bodies);
   e.forEach(FindNeighbors{}, bodies);
   e.beside(FindPathNeighbors{}, &Counters::pathCells);
   forEachOwner<FindPairs>(e);

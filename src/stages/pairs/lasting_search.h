@@ -1,0 +1,68 @@
+#pragma once
+/// A search for neighbors lasts several steps. Bodies are searched for with some slack around their boxes,
+/// and what was found holds until a box leaves the one of its search. Which neighbors touch is found in each
+/// step, so pairs do not depend on when the last search was.
+#include "stages/pairs/grid.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// How far beyond its box a body of a level is searched for [m].
+RUBBLE_HD inline Real searchSlack(int level) { return Real(.0625) * cellSize(level); }
+/// Share of the slack that a box must keep to the one of its search: far more than round-off [1].
+inline constexpr Real kSlackKept = Real(.25);
+
+/// The box in which a body with the bounds `b` searches the bodies of a level.
+RUBBLE_HD inline Bounds searchBox(const Bounds& b, int level) {
+  const Real slack = searchSlack(b.level) + searchSlack(level);
+  Bounds box = b;
+  box.half += Vec3{slack, slack, slack};
+  return box;
+}
+
+/// What a search for the neighbors of body or plane i depends on. Others are in no search.
+RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i) {
+  constexpr int kOutside = -1, kPlanes = -2;
+  const Bounds& b = s.bounds[i];
+  if (b.level >= 0) {
+    const Real slack = searchSlack(b.level);
+    return {b.center, layerOf(s.worldOf(i), b.level), b.half + Vec3{slack, slack, slack}, s.bodies, 0, 0};
+  }
+  const BodyParams& p = s.params[i];
+  if (p.kind == BodyKind::Removed || p.shape.kind != ShapeKind::Plane)
+    return {{0, 0, 0}, kOutside, {0, 0, 0}, s.bodies, 0, 0};
+  return {
+      Vec3(s.position[i]), kPlanes - s.worldOf(i), rotate(s.orientation[i], Vec3{0, 0, 1}), s.bodies, 0, 0};
+}
+/// Does the last search hold for body i?
+RUBBLE_HD inline bool searchHolds(const SolverData& s, int i) {
+  const NeighborSearch now = searchOf(s, i), &then = s.neighborSearch[i];
+  const bool inGrid = s.bounds[i].level >= 0;
+  // a body that has left the grid has no pairs
+  if (!inGrid && now.layer == -1) return true;
+  if (now.bodies != then.bodies || now.layer != then.layer) return false;
+  if (!inGrid) {
+    const Vec3 moved = abs(now.center - then.center) + abs(now.half - then.half);
+    return moved.x + moved.y + moved.z == Real(0);
+  }
+  const Real kept = kSlackKept * searchSlack(s.bounds[i].level);
+  const Vec3 way = abs(now.center - then.center) + s.bounds[i].half;
+  return way.x <= then.half.x - kept && way.y <= then.half.y - kept && way.z <= then.half.z - kept;
+}
+
+/// Finds out whether neighbors are searched in this step: if the last search does not hold for a body, or if
+/// a path is long.
+struct CheckNeighbors {
+  static constexpr const char* kStage = "pairs";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    int& searched = s.counters->searched;
+    if (atomicLoad(&searched) == 0 && (s.searchesAlways || s.counters->pathCells > 0 || !searchHolds(s, i)))
+      atomicRaise(&searched, 1);
+  }
+};
+
+/// Neighbors that the last search has found for a body, before pairs of the step are counted in pairCount.
+RUBBLE_HD inline int neighborsOf(const SolverData& s, int i) {
+  return s.counters->searched != 0 ? s.pairCount[i] : s.neighborSearch[i].found;
+}
+
+}  // namespace rubble::RUBBLE_CORE
