@@ -62,18 +62,27 @@ inline constexpr Real kLargestRotation = 1;
 /// rad).
 inline constexpr Real kMostTurned = Real(.7317);
 
-/// The Newton step with a bounded rotation (a trust region). `q`: rotation since x^t. If the rotation is cut,
-/// the translation minimizes the local energy for the remaining rotation.
+/// Shortens a rotation of more than one Newton step. Returns whether it did.
+RUBBLE_HD inline bool boundRotation(Vec3& turn) {
+  const Real turn2 = dot(turn, turn);
+  if (!(turn2 > kLargestRotation * kLargestRotation)) return false;
+  turn *= kLargestRotation / std::sqrt(turn2);
+  return true;
+}
+/// The translation that minimizes the local energy for a given rotation.
+RUBBLE_HD inline Vec3 translationFor(const Block6& block, const Vec3& turn) {
+  return solve(
+      Block3{block.ll, block.fl - Vec3{dot(block.al0, turn), dot(block.al1, turn), dot(block.al2, turn)}});
+}
+
+/// The Newton step with a bounded rotation (a trust region). `q`: rotation since x^t.
 RUBBLE_HD inline Vec6 trustedStep(const Block6& block, const Quat& q) {
   Vec6 dx = newtonStep(block);
-  const Real turn2 = dot(dx.ang, dx.ang), turned = std::fabs(q.s);
-  if (turn2 > kLargestRotation * kLargestRotation) dx.ang *= kLargestRotation / std::sqrt(turn2);
-  const Real then = std::fabs(retract({{0, 0, 0}, q}, dx).q.s);
+  const bool bounded = boundRotation(dx.ang);
+  const Real turned = std::fabs(q.s), then = std::fabs(retract({{0, 0, 0}, q}, dx).q.s);
   const bool further = then < kMostTurned && then < turned;
   if (further) dx.ang = {0, 0, 0};
-  if (further || turn2 > kLargestRotation * kLargestRotation)
-    dx.lin = solve(Block3{
-        block.ll, block.fl - Vec3{dot(block.al0, dx.ang), dot(block.al1, dx.ang), dot(block.al2, dx.ang)}});
+  if (further || bounded) dx.lin = translationFor(block, dx.ang);
   return dx;
 }
 

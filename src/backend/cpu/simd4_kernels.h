@@ -37,7 +37,6 @@ int accumulateRounds(const SolverData& s, int least, CodeOf&& codeOf, ShiftOf&& 
 /// Prefetch distance in groups of four.
 inline constexpr int kAhead = 2;
 
-/// Prefetches the first and the last byte of [begin, begin + bytes).
 /// Prefetches the inputs of a constraint.
 RUBBLE_NEAR void fetchBall(const SolverData& s, std::uint32_t code) {
   if (constraintType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return;
@@ -46,6 +45,11 @@ RUBBLE_NEAR void fetchBall(const SolverData& s, std::uint32_t code) {
 
 RUBBLE_NEAR int leastOf(const Lane4& a) { return min(min(a[0], a[1]), min(a[2], a[3])); }
 RUBBLE_NEAR int mostOf(const Lane4& a) { return max(max(a[0], a[1]), max(a[2], a[3])); }
+
+/// Is the rotation of a Newton step one that boundRotation leaves as it is?
+RUBBLE_NEAR auto isTrusted(const Vec3T<Real4>& turn) {
+  return dot(turn, turn) <= LaneAccess<Real4>::splat(kLargestRotation * kLargestRotation);
+}
 
 template <> struct Simd4Kernel<SolveBody<Real4>> {
   static void expect(const SolverData& s, const Lane4& body) {
@@ -113,8 +117,7 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
                               const Block6T<Real4>& block, const PoseT<Real4>& x) {
     const auto splat = [](Real a) { return LaneAccess<Real4>::splat(a); };
     const Vec6T<Real4> dx = newtonStep(block);
-    if (!areFinite(dx.lin) || !allOf(dot(dx.ang, dx.ang) <= splat(kLargestRotation * kLargestRotation)))
-      return false;
+    if (!areFinite(dx.lin) || !allOf(isTrusted(dx.ang))) return false;
     const Real4 inverseDt2 = splat(s.step->inverseDt * s.step->inverseDt);
     if (!allOf(isWithinWork(block, inverseDt2 * m.mass, inverseDt2 * m.inertia, dx))) return false;
     const PoseT<Real4> then = retract(x, dx);
@@ -242,7 +245,7 @@ template <> struct Simd4Kernel<SolveAggregate> {
     for (int lane = 0; lane < kLanes; ++lane) own[lane].block = s.aggregate[index[lane]].inertia;
     gatherBlocks(own, inertia);
     const Vec6T<Real4> dx = newtonStep(block);
-    if (rare != 0 || !areFinite(dx.lin) || !areFinite(dx.ang) ||
+    if (rare != 0 || !areFinite(dx.lin) || !allOf(isTrusted(dx.ang)) ||
         !allOf(isWithinWork(block, inertia.ll.xx, inertia.aa, dx))) {
       for (int lane = 0; lane < kLanes; ++lane) SolveAggregate{}(s, index[lane]);
       return;

@@ -277,6 +277,7 @@ RUBBLE_HD inline Vec6 aggregateStep(const Block6& block, Real mass, const Sym3& 
   Vec6 dx = newtonStep(block);
   const Vec6 none{{0, 0, 0}, {0, 0, 0}};
   if (!isFinite(dx.lin) || !isFinite(dx.ang)) return none;
+  if (boundRotation(dx.ang)) dx.lin = translationFor(block, dx.ang);
   bounded = !isWithinWork(block, mass, inertia, dx);
   if (bounded) dx = diagonalStep(block);
   return isFinite(dx.lin) && isFinite(dx.ang) ? kAggregateRelaxation * dx : none;
