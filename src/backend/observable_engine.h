@@ -93,28 +93,44 @@ inline bool isCountedInSteps(Per per) {
   return std::ranges::find(kCounted, per) != std::end(kCounted);
 }
 
-/// Elements of a kind that a step has written so far. A count exceeds the capacity until the tables have
-/// grown.
-inline std::size_t elementsWritten(const HostTables& tables, Per per) {
+/// Is the array of the last step, which counted its elements?
+template <class T> bool isOfLastStep(const ArrayInfo<T>& array) {
+  return array.life == Lifetime::State && !array.aliases && isCountedInSteps(array.per);
+}
+/// Elements of a kind that the last step counted.
+inline std::size_t elementsOfLastStep(const SolverData& s, Per per) {
+  const int pairs = s.oldPairOffset[s.bodies], active = s.oldActivePairOffset[pairs];
+  const int count = per == Per::Pair         ? pairs
+                    : per == Per::ActivePair ? active
+                    : per == Per::Rolling    ? (s.rolledBefore ? active : 0)
+                                             : s.oldPointPairOffset[s.owners()];
+  return static_cast<std::size_t>(count);
+}
+
+/// Elements of an array that have been written so far: those of the present step, of an old array those of
+/// the last one. A count exceeds the capacity until the tables have grown.
+template <class T> std::size_t elementsWritten(const HostTables& tables, const ArrayInfo<T>& array) {
   const SolverData& s = tables.view();
-  const auto room = static_cast<std::size_t>(tables.capacity(per));
+  const auto room = static_cast<std::size_t>(tables.room(array));
+  if (isOfLastStep(array)) return std::min(elementsOfLastStep(s, array.per), room);
   // nodes of no aggregate may follow the members
-  if (per == Per::Member && s.aggregateOffset)
+  if (array.per == Per::Member && s.aggregateOffset)
     return std::min(static_cast<std::size_t>(
                         s.aggregateOffset[std::min(s.counters->aggregates, tables.capacity(Per::Aggregate))]),
                     room);
-  return std::min(elementsCounted(s, per), room);
+  return std::min(elementsCounted(s, array.per), room);
 }
 
 /// The most elements that steps have written to each table so far, and one more for the end of offsets:
-/// behind them memory is zero.
+/// behind them memory is zero. Scans may write their total behind the end, so of offsets it is all elements.
 class MostWritten {
  public:
   /// Of a table by its number, now. No table has less room than before.
   template <class T> std::size_t of(const HostTables& tables, const ArrayInfo<T>& array, std::size_t number) {
     if (number >= most_.size()) most_.resize(number + 1);
     const auto room = static_cast<std::size_t>(tables.room(array));
-    return most_[number] = std::min(room, std::max(most_[number], elementsWritten(tables, array.per) + 1));
+    if (array.extra > 0) return room + static_cast<std::size_t>(array.extra);
+    return most_[number] = std::min(room, std::max(most_[number], elementsWritten(tables, array) + 1));
   }
 
  private:

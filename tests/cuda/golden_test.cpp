@@ -51,5 +51,20 @@ TEST_P(CudaStrictGolden, HashIsThatOfTheCpu) {
 INSTANTIATE_TEST_SUITE_P(Scenes, CudaStrictGolden, testing::ValuesIn(goldens("cpu")),
                          [](const auto& info) { return info.param.name(); });
 
+/// Scenes with joints, manifolds of few points, pairs that come and go, and soft things.
+class CudaLockstep : public CudaTest, public testing::WithParamInterface<const char*> {};
+
+TEST_P(CudaLockstep, ShowsNoDifferenceFromTheCpuAfterAnyKernel) {
+  if (!isStrict()) GTEST_SKIP() << "not a strict build";
+  const scenes::Spec& spec = scenes::find(GetParam());
+  World world(spec.build(scenes::resolve(spec, spec.testArguments)), optionsFor("lockstep-cuda"));
+  run(world, 8);
+  EXPECT_EQ(world.firstDifference(), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, CudaLockstep,
+                         testing::Values("hinge-pendulum", "ragdoll", "bowl", "silo", "breakable-wall",
+                                         "plates-on-cloth"));
+
 }  // namespace
 }  // namespace rubble::test

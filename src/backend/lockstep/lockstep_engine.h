@@ -2,7 +2,9 @@
 /// Runs each step on two engines and compares all tables after each kernel. Reports the first stage, kernel,
 /// table and element that differ.
 #include <algorithm>
+#include <array>
 #include <condition_variable>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <map>
@@ -14,6 +16,8 @@
 #include <vector>
 
 #include "backend/observable_engine.h"
+#include "stages/contacts/contacts.h"
+#include "tables/clean_copy.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -161,7 +165,7 @@ class LockstepEngine final : public Engine, public BatchEngine {
 
   /// take(engine, report) takes a step.
   template <class Take> void stepBoth(StepReport& report, const Take& take) {
-    step_ = report.step;
+    step_ = report.step, rowsBuilt_ = false;
     a_.ended = b_.ended = false;
     a_.keep(), b_.keep();
     meeting_.expected = 2, meeting_.waiting = 0;
@@ -211,26 +215,61 @@ class LockstepEngine final : public Engine, public BatchEngine {
   /// first.
   void compare(bool stageEnds) {
     const HostTables &s = a_.engine->tablesNow(), &t = b_.engine->tablesNow();
+    if (stageEnds && a_.stage == BuildContactRows<Real>::kStage) rowsBuilt_ = true;
     std::size_t number = 0;
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
       const std::size_t table = number++;
-      if (!difference_.empty() || array.life == Lifetime::Unordered) return;
+      if (!difference_.empty() || array.life == Lifetime::Unordered || !isValid(array)) return;
       const T *p = s.view().*array.member, *q = t.view().*array.member;
-      const std::size_t n = std::min(elementsWritten(s, array.per), elementsWritten(t, array.per));
+      const std::size_t n = std::min(elementsWritten(s, array), elementsWritten(t, array));
       if (!p || !q || std::memcmp(p, q, n * sizeof(T)) == 0) return;
-      const std::string& kernel = firstKernel_.try_emplace(array.name, a_.kernel).first->second;
+      const std::string& kernel = firstKernel_.try_emplace(table, a_.kernel).first->second;
       if (!stageEnds) return;
       if (a_.left.empty() || b_.left.empty()) return;
-      const bool hasLeftovers = array.life == Lifetime::Work || isCountedInSteps(array.per);
       const std::span<const std::byte> ofA = a_.before(table), ofB = b_.before(table);
       for (std::size_t i = 0; i < n && difference_.empty(); ++i)
-        if (std::memcmp(p + i, q + i, sizeof(T)) != 0 &&
-            (!hasLeftovers || !isLeft(ofA, i, p[i]) || !isLeft(ofB, i, q[i])))
-          difference_ = place(kernel) + ", table " + array.name + ", element " + std::to_string(i);
+        if (std::memcmp(p + i, q + i, sizeof(T)) != 0 && valueOf(p[i]) != valueOf(q[i]) &&
+            (array.life != Lifetime::Work || !isLeft(ofA, i, p[i]) || !isLeft(ofB, i, q[i])))
+          difference_ = place(kernel) + ", table " + array.name + ", element " + std::to_string(i) + ", " +
+                        describe(valueOf(p[i]), valueOf(q[i]));
     });
     if (!stageEnds) return;
     firstKernel_.clear();
     a_.keep(), b_.keep();
+  }
+  /// Contact rows reuse the memory of the old manifolds: those are valid up to the stage that builds rows,
+  /// and rows from its end on.
+  template <class T> bool isValid(const ArrayInfo<T>& array) const {
+    if (array.aliases) return rowsBuilt_;
+    return !std::is_same_v<T, Manifold> || !isOfLastStep(array) || !rowsBuilt_;
+  }
+  /// The bytes of an element that carry a value. Those of padding, and of rows of a tree that are not used,
+  /// are zero.
+  template <class T> using Bytes = std::array<std::byte, sizeof(T)>;
+  template <class T> static Bytes<T> valueOf(const T& element) {
+    Bytes<T> out;
+    copyClean(out.data(), &element, sizeof(T));
+    if constexpr (requires { element.part[0].bytes(); })
+      for (const auto& part : element.part) {
+        const auto begin = static_cast<std::size_t>(reinterpret_cast<const std::byte*>(&part) -
+                                                    reinterpret_cast<const std::byte*>(&element));
+        const std::size_t used = std::max(part.bytes(), sizeof part.count);
+        std::memset(&out[begin + used], 0, sizeof part - used);
+      }
+    return out;
+  }
+  /// Where two elements differ first, and both values there.
+  template <std::size_t kSize>
+  static std::string describe(const std::array<std::byte, kSize>& p, const std::array<std::byte, kSize>& q) {
+    const auto at = static_cast<std::size_t>(std::ranges::mismatch(p, q).in1 - p.begin()) / 4 * 4;
+    const auto word = [at](const std::array<std::byte, kSize>& bytes) {
+      std::uint32_t out = 0;
+      std::memcpy(&out, &bytes[at], std::min(sizeof out, kSize - at));
+      char text[16];
+      std::snprintf(text, sizeof text, "%08x", static_cast<unsigned>(out));
+      return std::string(text);
+    };
+    return "byte " + std::to_string(at) + ": " + word(p) + " beside " + word(q);
   }
   /// Has nothing written element i since the stage began? Memory that a table has grown by is zero.
   template <class T> static bool isLeft(std::span<const std::byte> before, std::size_t i, const T& now) {
@@ -243,7 +282,8 @@ class LockstepEngine final : public Engine, public BatchEngine {
   Side a_, b_;
   Meeting meeting_;
   std::int64_t step_ = 0;
-  std::map<std::string, std::string> firstKernel_;  ///< of each table that differs in this stage
+  std::map<std::size_t, std::string> firstKernel_;  ///< of each table that differs in this stage
+  bool rowsBuilt_ = false;                          ///< in this step
   std::string difference_;
 };
 
