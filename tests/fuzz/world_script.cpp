@@ -22,8 +22,38 @@ WorldOptions optionsFrom(ByteSource& in, const ScriptOptions& options) {
   return out;
 }
 
+void addCompany(Scene& scene, Company company) {
+  const Vec3 far{1e5, 0, 1e3};
+  BodyDef body;
+  if (company == Company::Still) {
+    body.motion = Motion::Static;
+    body.shape = Shape::sphere(.1);
+    for (int k = 0; k < 3; ++k) {
+      body.position = far + Vec3{3. * k, 0, 0};
+      scene.bodies.push_back(body);
+    }
+    return;
+  }
+  body.position = far;
+  body.angularVelocity = {3, 1, 2};
+  scene.bodies.push_back(body);
+  body.position = far + Vec3{1.5, 0, 0};
+  body.material.restitution = .5;
+  scene.bodies.push_back(body);
+  BodyDef ball;
+  ball.shape = Shape::sphere(.5);
+  ball.position = far + Vec3{.4, 0, 1};
+  ball.material.rollingFriction = .01;
+  scene.bodies.push_back(ball);
+  JointDef joint;
+  joint.bodyA = 1, joint.bodyB = 2;
+  joint.anchorA = {.75, 0, 0}, joint.anchorB = {-.75, 0, 0};
+  scene.joints.push_back(joint);
+  scene.deformables.push_back(clothSheet(far + Vec3{-1, -1, 1.7}, {2, 0, 0}, {0, 2, 0}, 3, 3));
+}
+
 /// The ground, so that there is something to touch.
-Scene groundScene(ByteSource& in) {
+Scene groundScene(ByteSource& in, Company company) {
   Scene scene;
   if (in.flag()) scene.gravity = in.vector(-20, 20);
   BodyDef ground;
@@ -31,6 +61,7 @@ Scene groundScene(ByteSource& in) {
   ground.shape = in.flag() ? Shape::box({4, 4, .5}) : Shape::plane();
   ground.position = {0, 0, -1};
   scene.bodies = {ground};
+  if (company != Company::None) addCompany(scene, company);
   return scene;
 }
 
@@ -51,30 +82,17 @@ class Fingerprint {
   std::uint64_t bits_ = 0xcbf29ce484222325ull;
 };
 
-/// Of all that is seen of the objects of a world.
-std::uint64_t fingerprintOf(const World& world) {
-  Fingerprint out;
-  for (const BodyId id : world.bodies()) {
-    const BodyState s = world.state(id);
-    out.add(s.position), out.add(s.orientation.s), out.add(s.orientation.v);
-    out.add(s.velocity), out.add(s.angularVelocity);
-  }
-  for (const DeformableId id : world.deformables()) {
-    for (const Vec3& x : world.positions(id)) out.add(x);
-    for (const Vec3& v : world.velocities(id)) out.add(v);
-  }
-  return out.bits();
-}
-
 }  // namespace
 
 WorldScript::WorldScript(ByteSource bytes, const ScriptOptions& options)
     : in_(bytes),
       options_(options),
       worldOptions_(optionsFrom(in_, options)),
-      world_(groundScene(in_), worldOptions_),
+      world_(groundScene(in_, options.company), worldOptions_),
       trace_{world_.hash()} {
-  alive_.bodies = world_.bodies();
+  company_ = {world_.bodies(), world_.joints(), world_.deformables(), {}};
+  alive_.bodies = {company_.bodies.front()};
+  company_.bodies.erase(company_.bodies.begin());
 }
 
 void WorldScript::run() {
@@ -93,7 +111,7 @@ void WorldScript::run() {
     expectModel();
   }
   step();
-  trace_.push_back(fingerprintOf(world_));
+  trace_.push_back(fingerprint());
   expectModel();
 }
 
@@ -161,17 +179,41 @@ void WorldScript::noteRemoved() {
   std::erase_if(alive_.attachments, dead);
 }
 
+std::uint64_t WorldScript::fingerprint() const {
+  Fingerprint out;
+  for (const BodyId id : alive_.bodies) {
+    const BodyState s = world_.state(id);
+    out.add(s.position), out.add(s.orientation.s), out.add(s.orientation.v);
+    out.add(s.velocity), out.add(s.angularVelocity);
+  }
+  for (const DeformableId id : alive_.deformables) {
+    for (const Vec3& x : world_.positions(id)) out.add(x);
+    for (const Vec3& v : world_.velocities(id)) out.add(v);
+  }
+  return out.bits();
+}
+
+template <class Id>
+std::vector<Id> WorldScript::without(std::vector<Id> ids, const std::vector<Id>& company) {
+  std::erase_if(ids, [&](const Id& id) { return std::ranges::find(company, id) != company.end(); });
+  return ids;
+}
+
 void WorldScript::expectModel() {
-  expect(world_.bodies() == alive_.bodies, "other bodies are alive than were added and not removed");
-  expect(world_.joints() == alive_.joints, "other joints are alive than were added and not removed");
-  expect(world_.deformables() == alive_.deformables, "other objects are alive than were added");
+  expect(without(world_.bodies(), company_.bodies) == alive_.bodies,
+         "other bodies are alive than were added and not removed");
+  expect(without(world_.joints(), company_.joints) == alive_.joints,
+         "other joints are alive than were added and not removed");
+  expect(without(world_.deformables(), company_.deformables) == alive_.deformables,
+         "other objects are alive than were added");
   expect(world_.attachments() == alive_.attachments, "other attachments are alive than were added");
 }
 
 void WorldScript::expectHonest(const StepReport& report) {
-  const int bodies = static_cast<int>(alive_.bodies.size());
+  const int bodies = static_cast<int>(alive_.bodies.size() + company_.bodies.size());
   int vertices = 0;
-  for (const DeformableId id : alive_.deformables) vertices += world_.vertexCount(id);
+  for (const auto* const ids : {&alive_.deformables, &company_.deformables})
+    for (const DeformableId id : *ids) vertices += world_.vertexCount(id);
   expect(report.bodies == bodies, "the report counts other bodies");
   expect(report.vertices == vertices, "the report counts other vertices");
   expect(report.manifolds >= 0 && report.pairs >= 0 && report.contacts >= report.manifolds,
@@ -180,13 +222,18 @@ void WorldScript::expectHonest(const StepReport& report) {
   for (const JointId id : report.broken)
     expect(world_.alive(id) && world_.state(id).broken, "a joint that broke is not broken");
   int sleeping = 0;
-  for (const BodyId id : alive_.bodies) sleeping += world_.asleep(id);
+  for (const BodyId id : world_.bodies()) sleeping += world_.asleep(id);
   expect(report.sleepingBodies == sleeping, "the report counts other sleeping bodies");
   expect(report.stoppedBodies <= bodies && report.quarantined >= 0, "the report counts more than there is");
 }
 
 void WorldScript::expectFinite() {
-  for (const BodyId id : alive_.bodies) expect(isFinite(world_.state(id)), "a body is not finite");
+  for (const BodyId id : alive_.bodies) {
+    const BodyState state = world_.state(id);
+    expect(isFinite(state), "a body is not finite");
+    farthest_ = std::max({farthest_, length(state.position), length(state.velocity)});
+  }
+  hadVertices_ |= !alive_.deformables.empty();
   for (const DeformableId id : alive_.deformables) {
     for (const Vec3& x : world_.positions(id)) expect(isFinite(x), "a vertex is not finite");
     for (const Vec3& v : world_.velocities(id)) expect(isFinite(v), "a velocity of a vertex is not finite");
@@ -194,6 +241,10 @@ void WorldScript::expectFinite() {
   for (const ContactPoint& c : world_.contacts()) {
     expect(world_.alive(c.a) && world_.alive(c.b), "a contact has a body that is not alive");
     expect(isFinite(c.position) && isFinite(c.force) && isFinite(c.normal), "a contact is not finite");
+    const auto isCompany = [&](BodyId id) {
+      return std::ranges::find(company_.bodies, id) != company_.bodies.end();
+    };
+    meetsCompany_ |= isCompany(c.a) != isCompany(c.b);  // a plane that was turned reaches far
   }
   for (const JointId id : alive_.joints) {
     const JointState state = world_.state(id);

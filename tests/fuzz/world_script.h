@@ -9,11 +9,16 @@
 
 namespace rubble::fuzz {
 
+/// What else is in the world of a script, 100 km away: nothing; balls that stand still; or as many bodies
+/// that move, touch and hang on a joint, and cloth.
+enum class Company { None, Still, Moving };
+
 /// How a script is run.
 struct ScriptOptions {
   std::string backend = "cpu";
   int threads = 1;
   int mostCommands = 12, mostSteps = 4;
+  Company company = Company::None;
 };
 
 /// Runs a script. The same bytes give the same commands, whatever the number of threads.
@@ -25,6 +30,11 @@ class WorldScript {
   void run();
   /// World::hash() behind each command, and a fingerprint of all that is seen of the world at the end.
   const std::vector<std::uint64_t>& trace() const { return trace_; }
+  /// The fingerprint. Company is not in it.
+  std::uint64_t end() const { return trace_.back(); }
+  /// Must company not change it? All that the script has made has stayed far from it, and has the same ids
+  /// and numbers of vertices as without: they break ties.
+  bool isLocal() const { return farthest_ < kFar && !hadVertices_ && !meetsCompany_; }
   /// The Errors that commands gave, by their number.
   const std::vector<std::string>& errors() const { return errors_; }
 
@@ -36,6 +46,7 @@ class WorldScript {
     std::vector<DeformableId> deformables;
     std::vector<AttachmentId> attachments;
   };
+  static constexpr double kFar = 1e4;  ///< [m]
   struct Memory {
     Snapshot snapshot;
     Alive alive;
@@ -70,6 +81,10 @@ class WorldScript {
 
   /// Removes from the model what the removal of bodies or objects takes along.
   void noteRemoved();
+  /// The ids that are not those of company.
+  template <class Id> static std::vector<Id> without(std::vector<Id> ids, const std::vector<Id>& company);
+  /// What is seen of the objects of the script.
+  std::uint64_t fingerprint() const;
   void expectModel();
   void expectHonest(const StepReport& report);
   void expectFinite();
@@ -78,7 +93,9 @@ class WorldScript {
   ScriptOptions options_;
   WorldOptions worldOptions_;
   World world_;
-  Alive alive_;
+  Alive company_, alive_;
+  bool hadVertices_ = false, meetsCompany_ = false;
+  double farthest_ = 0;  ///< that a part of the script's objects was from the origin [m]
   std::vector<Memory> memories_;
   std::vector<std::uint64_t> trace_;
   std::vector<std::string> errors_;
