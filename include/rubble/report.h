@@ -20,6 +20,8 @@ struct Growth {
   std::int64_t needed = 0;  ///< elements in the step
 };
 
+/// With substeps, events and tests are added up, and of bodies, vertices and rounds the most of a substep
+/// counts. All else is of the last one.
 struct StepReport {
   std::int64_t step = 0;      ///< index of the step just taken
   int bodies = 0;             ///< dynamic, kinematic and static

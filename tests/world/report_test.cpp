@@ -12,6 +12,27 @@ namespace {
 
 using test::options;
 
+/// A joint that breaks in the first substep is one of the step, and lets its bodies collide.
+TEST(StepReport, HasTheJointsThatBrokeInAnySubstep) {
+  Scene scene = test::emptyScene();
+  scene.bodies = {test::ground(), test::body(Shape::box({.5, .5, .5}), {0, 0, .4})};
+  JointDef joint;
+  joint.type = JointType::Fixed;
+  joint.bodyA = 1, joint.bodyB = 0;
+  joint.anchorB = {0, 0, .4};
+  joint.breakForce = 1e-3;
+  scene.joints.push_back(joint);
+  WorldOptions given = options(4);
+  given.params.substeps = 3;
+  World world(scene, given);
+  const StepReport report = world.step();
+  EXPECT_EQ(report.brokenJoints, 1);
+  EXPECT_EQ(report.broken, world.joints());
+  EXPECT_TRUE(world.state(world.joints()[0]).broken);
+  test::run(world, 60);
+  EXPECT_GT(world.step().contacts, 0);
+}
+
 TEST(StepReport, CountsBodiesManifoldsAndContacts) {
   World world(test::tower(3), options(4));
   test::run(world, 120);

@@ -13,6 +13,23 @@ void beginStep(SolverData& s, const EngineSettings& settings, double previousDt)
   s.step->wakeAll = settings.wakeAll;
 }
 
+void noteSubstep(const Counters& c, StepReport& report) {
+  const auto raise = [](auto& most, auto value) { most = std::max(most, value); };
+  report.brokenJoints += c.broken;
+  report.quarantined += c.quarantined;
+  report.failedSolves += c.failedSolves;
+  report.boundedSteps += c.boundedSteps;
+  report.surfaceTests += static_cast<std::int64_t>(c.nearFeatures) * (1 + c.crossingRounds);
+  raise(report.surfaceRounds, c.crossingRounds);
+  raise(report.deflectedVertices, c.deflected);
+  raise(report.heldVertices, c.held);
+  raise(report.stoppedBodies, c.stopped);
+  raise(report.spinLimited, c.spinLimited);
+  raise(report.colorRounds, c.rounds);
+  raise(report.clashes, c.clashes);
+  raise(report.unfinishedMotion, static_cast<double>(fromFloatBits(c.unfinished)));
+}
+
 void reportCounters(const SolverData& s, StepReport& report) {
   const Counters& c = *s.counters;
   for (int i = 0; i < s.bodies; ++i) report.bodies += s.params[i].kind != BodyKind::Removed;
@@ -21,23 +38,10 @@ void reportCounters(const SolverData& s, StepReport& report) {
   report.contacts = c.contacts;
   report.vertices = s.vertices;
   report.vertexContacts = c.pointContacts;
-  report.deflectedVertices = c.deflected;
-  report.heldVertices = c.held;
-  report.surfaceRounds = c.crossingRounds;
-  report.surfaceTests = static_cast<std::int64_t>(c.nearFeatures) * (1 + c.crossingRounds);
   report.recycled = c.recycled;
   report.colors = c.colors;
-  report.colorRounds = c.rounds;
-  report.clashes = c.clashes;
-  report.brokenJoints = c.broken;
   report.sleepingBodies = c.asleep;
-  report.stoppedBodies = c.stopped;
-  report.quarantined = c.quarantined;
-  report.failedSolves = c.failedSolves;
-  report.boundedSteps = c.boundedSteps;
-  report.spinLimited = c.spinLimited;
   report.unsettledImpacts = c.bouncesLeft;
-  report.unfinishedMotion = static_cast<double>(fromFloatBits(c.unfinished));
 }
 
 void planTrees(HostTables& tables) {
@@ -76,6 +80,7 @@ void CpuEngine::takeStep(StepReport& report) {
     for (int k = 0; k < settings_.params.substeps; ++k) {
       beginStep();
       stepBy(variant_, executor_);
+      noteSubstep(*s.counters, report);
       s.rolledBefore = s.rolls;
       previousDt_ = settings_.params.dt / settings_.params.substeps;
       for (std::size_t w = 0; w < worlds_.size(); ++w)

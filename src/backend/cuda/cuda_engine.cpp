@@ -34,11 +34,12 @@ void CudaEngine::step(StepReport& report) {
   nvtxRangePushA("rubble step");
   host().trees.update(host(), mirror_.treeChanges());
   host().view().bodiesMove = dynamicCount_ > 0;
-  host().view().fixedOrder |= divided_;
+  host().view().fixedOrder |= divided_, host().view().searchesAlways |= divided_;
   for (int k = 0; k < settings_.params.substeps; ++k) {
     prepareConstants();
     mirror_.flush();
     mirror_.stepped(stepper_.step(host().view(), report));
+    noteSubstep(*host().view().counters, report);
     host().view().rolledBefore = host().view().rolls;
     previousDt_ = settings_.params.dt / settings_.params.substeps;
     endStepOfWorlds();
@@ -116,6 +117,8 @@ void CudaEngine::restore(const EngineSnapshot& snapshot) {
   countBodies();
 }
 
-std::unique_ptr<Engine> makeCudaEngine(bool timings) { return std::make_unique<CudaEngine>(timings); }
+std::unique_ptr<Engine> makeCudaEngine(const CudaOptions& options) {
+  return std::make_unique<CudaEngine>(options);
+}
 
 }  // namespace rubble::RUBBLE_CORE

@@ -7,11 +7,9 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Attachments and vertex contacts as constraints of a body. A constraint gives its body one active
-/// incidence. If it has several vertices, further incidences only list the neighbors.
-inline constexpr int kBodyNeighborType = JointTypes::kSize + 3;
-
+/// incidence. If it has several vertices, further incidences, of types of their own, only list the neighbors.
 struct AttachmentBlocks {
-  static constexpr int kType = kBodyAttachmentType;
+  static constexpr int kType = kBodyAttachmentType, kNeighborType = JointTypes::kSize + 3;
   using Block = Attachment;
   RUBBLE_HD static Block* blocks(const SolverData& s) { return s.attachment; }
   RUBBLE_HD static bool isActive(const SolverData& s, const Block& b) {
@@ -19,7 +17,7 @@ struct AttachmentBlocks {
   }
 };
 struct PointContactBlocks {
-  static constexpr int kType = kBodyPointContactType;
+  static constexpr int kType = kBodyPointContactType, kNeighborType = JointTypes::kSize + 4;
   using Block = PointContact;
   RUBBLE_HD static Block* blocks(const SolverData& s) { return s.pointContact; }
   RUBBLE_HD static bool isActive(const SolverData& s, const Block& b) {
@@ -47,7 +45,7 @@ template <class Blocks> struct FillSoftIncidences {
       const int slot = s.incidenceOffset[block.body] + atomicCount(&s.incidenceCount[block.body], -1) - 1;
       const int other = isDynamicVertex(s, block.v[k]) ? kVertexNode + block.v[k] : -1;
       const std::uint32_t code = k == 0 ? constraintCode(Blocks::kType, i, 0)
-                                        : constraintCode(kBodyNeighborType, 2 * i + k / 2, k & 1);
+                                        : constraintCode(Blocks::kNeighborType, 2 * i + k / 2, k & 1);
       s.incidence[slot] = {code, other, k == 0 && s.plan.coarseCorrection ? block.depth : 0};
     }
   }
