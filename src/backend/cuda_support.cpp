@@ -10,7 +10,7 @@ namespace rubble {
 namespace f32 {
 std::string deviceStatus();
 bool deviceReady();
-std::unique_ptr<Engine> makeCudaEngine(bool timings);
+std::unique_ptr<Engine> makeCudaEngine(const CudaOptions& options);
 std::unique_ptr<Engine> makeCudaTeam(const RankOptions& ranks, bool timings);
 std::unique_ptr<Engine> makeCudaRank(std::unique_ptr<Transport> transport, const RankOptions& ranks,
                                      bool timings);
@@ -21,8 +21,8 @@ bool cudaReady() {
   static const bool ready = f32::deviceReady();  // may take seconds: initializes the driver
   return ready;
 }
-std::unique_ptr<Engine> makeCudaEngine(bool timings) {
-  return cudaReady() ? f32::makeCudaEngine(timings) : nullptr;
+std::unique_ptr<Engine> makeCudaEngine(const CudaOptions& options) {
+  return cudaReady() ? f32::makeCudaEngine(options) : nullptr;
 }
 std::unique_ptr<Engine> makeCudaTeam(const RankOptions& ranks, bool timings) {
   return f32::makeCudaTeam(ranks, timings);
@@ -36,7 +36,7 @@ std::unique_ptr<Engine> makeCudaRank(std::unique_ptr<Transport> transport, const
 
 std::string cudaStatus() { return "off: built without CUDA"; }
 bool cudaReady() { return false; }
-std::unique_ptr<Engine> makeCudaEngine(bool) { return nullptr; }
+std::unique_ptr<Engine> makeCudaEngine(const CudaOptions&) { return nullptr; }
 std::unique_ptr<Engine> makeCudaTeam(const RankOptions&, bool) { return nullptr; }
 std::unique_ptr<Engine> makeCudaRank(std::unique_ptr<Transport>, const RankOptions&, bool) { return nullptr; }
 

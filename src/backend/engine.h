@@ -118,8 +118,13 @@ std::uint64_t hashOf(Engine& engine);
 
 /// Returns whether the CUDA backend is built and has a usable device.
 bool cudaReady();
-/// Null unless cudaReady(). `timings`: measure stage times.
-std::unique_ptr<Engine> makeCudaEngine(bool timings);
+/// Options of an engine whose steps run on a GPU.
+struct CudaOptions {
+  bool timings = true;  ///< measure stage times
+  int processors = 0;   ///< multiprocessors that kernels are laid out for, at most; 0: those of the device
+};
+/// Null unless cudaReady().
+std::unique_ptr<Engine> makeCudaEngine(const CudaOptions& options);
 
 namespace f32 {
 class CpuExecutor;

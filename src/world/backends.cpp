@@ -28,7 +28,14 @@ decltype(CpuOptions::variant) variantOf([[maybe_unused]] const std::string& inst
   return nullptr;
 }
 
+/// Multiprocessors of the device that "small-cuda" lays kernels out for.
+constexpr int kSmallDevice = 16;
+
 }  // namespace
+
+bool runsOnDevice(const std::string& backend) {
+  return backend == "cuda" || backend == "small-cuda" || backend == "lockstep-cuda";
+}
 
 std::vector<std::string> backends() {
   std::vector<std::string> names = {"cpu"};
@@ -42,7 +49,7 @@ std::vector<std::string> backends() {
 #if defined(RUBBLE_HAS_LOCKSTEP)
   names.insert(names.end(), {"lockstep", "lockstep-backward"});
 #endif
-  if (cudaReady()) names.insert(names.end(), {"cuda", "lockstep-cuda"});
+  if (cudaReady()) names.insert(names.end(), {"cuda", "small-cuda", "lockstep-cuda"});
   return names;
 }
 
@@ -80,11 +87,13 @@ std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   if (options.backend == "lockstep-backward")
     return f32::makeLockstepEngine(f32::makeCpuEngine(cpu), f32::makeCpuEngine(backward));
 #endif
-  if (options.backend == "cuda" || options.backend == "lockstep-cuda") {
+  if (runsOnDevice(options.backend)) {
     if (!cudaReady()) throw Error("backend", "a machine and a build with CUDA", cudaStatus());
-    if (options.backend == "cuda") return makeCudaEngine(options.timings);
+    if (options.backend == "cuda") return makeCudaEngine({.timings = options.timings});
+    if (options.backend == "small-cuda")
+      return makeCudaEngine({.timings = options.timings, .processors = kSmallDevice});
 #if defined(RUBBLE_HAS_LOCKSTEP)
-    return f32::makeLockstepEngine(f32::makeCpuEngine(cpu), makeCudaEngine(false));
+    return f32::makeLockstepEngine(f32::makeCpuEngine(cpu), makeCudaEngine({.timings = false}));
 #endif
   }
   throw Error("backend", "one of " + joined(backends()), "\"" + options.backend + "\"");

@@ -38,6 +38,7 @@ std::uint64_t partUserData(const Shape& shape, int part);
 
 /// Throws Error if no such engine can be made.
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options);
+bool runsOnDevice(const std::string& backend);
 
 /// A sanity bound: the thread pool itself has none.
 inline constexpr int kMostThreads = 1024;

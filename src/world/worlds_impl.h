@@ -14,7 +14,7 @@ namespace rubble {
 /// Worlds of one engine. On a CPU they step in the caches of one core; a device steps all of them at once.
 inline int worldsPerEngine(const std::string& backend) {
   constexpr int kOnCpu = 32;
-  return backend == "cuda" || backend == "lockstep-cuda" ? std::numeric_limits<int>::max() : kOnCpu;
+  return runsOnDevice(backend) ? std::numeric_limits<int>::max() : kOnCpu;
 }
 
 struct Worlds::Impl {

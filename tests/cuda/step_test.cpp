@@ -63,6 +63,20 @@ TEST_F(CudaStep, HasTheBitsOfTheCpuInAStrictBuild) {
   }
 }
 
+/// Loops have other numbers of lanes on a device of few multiprocessors.
+TEST_F(CudaStep, LaidOutForASmallDeviceAgrees) {
+  for (const Scene& scene : {brickPile(5, 8), brickPile(24, 12), mixedScene()}) {
+    if (!scene.joints.empty() && !isStrict()) continue;  // a ball strikes there
+    World all(scene, optionsFor("cuda")), few(scene, optionsFor("small-cuda"));
+    run(all, 40), run(few, 40);
+    if (isStrict())
+      EXPECT_TRUE(sameStates(all, few));
+    else
+      EXPECT_LT(distance(all, few), 1e-3);
+    EXPECT_EQ(few.step().quarantined, 0);
+  }
+}
+
 TEST_F(CudaStep, AgreesWithTheCpuWithJoints) {
   Scene chain = mixedScene();
   // the links and their joints alone: nothing chaotic

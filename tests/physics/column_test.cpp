@@ -51,6 +51,17 @@ TEST(Column, BearsAThousandTimesTheMassOfItsCubes) {
   EXPECT_NEAR(sunk(world, scene, kLight + 1), 0, .06);
 }
 
+TEST(Column, OfTenBearsAThousandAndTenThousandTimesTheirMass) {
+  constexpr int kLight = 10, kTenSeconds = 600;
+  for (const auto& [mass, most] : {std::pair{1e3, .01}, std::pair{1e4, .02}}) {
+    Scene scene = test::tower(kLight + 1);
+    scene.bodies.back().mass = mass;
+    World world(scene, columnOptions());
+    test::run(world, kTenSeconds);
+    EXPECT_NEAR(sunk(world, scene, kLight + 1), 0, most) << mass;
+  }
+}
+
 TEST(Column, OfRandomCubesStands) {
   const Scene scene = randomColumn(kLevels);
   World world(scene, columnOptions());

@@ -15,7 +15,7 @@ namespace rubble::RUBBLE_CORE {
 
 class CudaEngine final : public ObservableEngine, public BatchEngine, private PoseCopies {
  public:
-  explicit CudaEngine(bool timings) : stepper_(timings) {}
+  explicit CudaEngine(const CudaOptions& options) : stepper_(options) {}
 
   void configure(const EngineSettings& settings) override {
     settings_ = settings;

@@ -25,7 +25,9 @@ class CudaExecutor : private ScanLauncher {
  public:
   using Lane = Real;
 
-  CudaExecutor(DeviceTables& tables, cudaStream_t stream) : ScanLauncher(tables, stream) {
+  /// `processors`: CudaOptions.
+  CudaExecutor(DeviceTables& tables, cudaStream_t stream, int processors)
+      : ScanLauncher(tables, stream, processors) {
     count(&Counters::newPairs, Per::Pair), count(&Counters::tested, Per::ActivePair);
     bound(&Counters::swept, Per::Pair), bound(&Counters::fastBodies, Per::Body);
     bound(&Counters::searchedBodies, Per::Body);

@@ -35,7 +35,7 @@ class CudaRank final : public DividedEngine {
  public:
   /// The device is the current one.
   CudaRank(Transport& transport, const RankOptions& options, bool timings)
-      : device_(present()), cuda_(timings) {
+      : device_(present()), cuda_({.timings = timings}) {
     cuda_.divide(transport, options);
   }
   ObservableEngine& engine() override { return cuda_; }

@@ -115,7 +115,8 @@ constexpr int kFirstColors = 16;
 }  // namespace
 
 struct CudaStepper::Impl {
-  explicit Impl(bool measure) : timings(measure) {}
+  explicit Impl(const CudaOptions& options)
+      : executor{tables, stream.get(), options.processors}, timings(options.timings) {}
 
   /// Enqueues the step from operation `from` on. Afterwards the host's table pointers are those before the
   /// step.
@@ -227,7 +228,7 @@ struct CudaStepper::Impl {
 
   Stream stream;
   DeviceTables tables;
-  CudaExecutor executor{tables, stream.get()};
+  CudaExecutor executor;
   std::unique_ptr<CudaPeers> peers;  ///< null: one GPU has the world
   Pinned<StepStatus> status;
   StepGraph graphs[2];
@@ -239,7 +240,7 @@ struct CudaStepper::Impl {
   KernelObserver observer;
 };
 
-CudaStepper::CudaStepper(bool timings) : impl_(std::make_unique<Impl>(timings)) {}
+CudaStepper::CudaStepper(const CudaOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 CudaStepper::~CudaStepper() = default;
 
 DeviceTables& CudaStepper::tables() { return impl_->tables; }

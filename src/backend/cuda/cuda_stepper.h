@@ -22,8 +22,7 @@ namespace rubble::RUBBLE_CORE {
 /// before it writes. The host then grows the table and continues from the operation that stopped.
 class CudaStepper {
  public:
-  /// `timings`: measure stage times.
-  explicit CudaStepper(bool timings);
+  explicit CudaStepper(const CudaOptions& options);
   ~CudaStepper();
 
   DeviceTables& tables();

@@ -36,11 +36,14 @@ class KernelLauncher {
   void observe(KernelObserver observer) { observer_ = std::move(observer); }
 
  protected:
-  KernelLauncher(DeviceTables& tables, cudaStream_t stream) : tables_(tables), stream_(stream) {
+  /// `processors`: CudaOptions.
+  KernelLauncher(DeviceTables& tables, cudaStream_t stream, int processors)
+      : tables_(tables), stream_(stream) {
     int device = 0;
     checkCuda(cudaGetDevice(&device), "cudaGetDevice");
     checkCuda(cudaDeviceGetAttribute(&processors_, cudaDevAttrMultiProcessorCount, device),
               "cudaDeviceGetAttribute");
+    if (processors > 0) processors_ = std::min(processors_, processors);
     int major = 0;
     checkCuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
               "cudaDeviceGetAttribute");

@@ -13,7 +13,8 @@ namespace rubble::RUBBLE_CORE {
 
 class ScanLauncher : protected KernelLauncher {
  protected:
-  ScanLauncher(DeviceTables& tables, cudaStream_t stream) : KernelLauncher(tables, stream) {}
+  ScanLauncher(DeviceTables& tables, cudaStream_t stream, int processors)
+      : KernelLauncher(tables, stream, processors) {}
 
   std::size_t scratchBytes() const {
     return scratch_.size() + sortedKeys_.size() + indices_.size() + cleared_.size();
