@@ -1,0 +1,74 @@
+"""The bill of materials, and the licence texts that come with what is built."""
+import pathlib
+import re
+import subprocess
+import sys
+import tarfile
+import tempfile
+import tomllib
+import unittest
+import zipfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def make_sbom(*arguments):
+    return subprocess.run([sys.executable, ROOT / "tools/make_sbom", *arguments], capture_output=True, text=True)
+
+
+class Texts(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.texts = sorted((ROOT / "licenses").iterdir())
+
+    def tree(self, left_out=""):
+        target = self.folder / "share/doc/rubble/licenses"
+        target.mkdir(parents=True)
+        for text in self.texts:
+            if text.name != left_out:
+                (target / text.name).write_bytes(text.read_bytes())
+        return self.folder
+
+    def test_each_linked_library_has_one(self):
+        page = (ROOT / "THIRD_PARTY.md").read_text(encoding="utf-8").split("## Used and not linked")[0]
+        rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| ") and "---" not in line]
+        without = [row[0] for row in rows if len(row) == 5 and not re.search(r"\]\(licenses/[\w-]+\.txt\)", row[3])]
+        # the heads of two tables, and what comes with its toolkit
+        self.assertEqual(without, ["| library", "| CUDA runtime", "| library"])
+        named = sorted(set(re.findall(r"licenses/([\w-]+\.txt)", page)) - {"cuda.txt"})
+        self.assertEqual(named, [text.name for text in self.texts])
+        for row in rows:
+            if file := re.search(r"licenses/[\w-]+\.txt", row[3]):
+                text = (ROOT / file[0]).read_text(encoding="utf-8")
+                self.assertIn(row[0].strip("| ").split(" (")[0], text)
+                self.assertIn("opyright", text)
+
+    def test_a_tree_with_all_passes_and_one_that_lacks_one_does_not(self):
+        self.assertEqual(make_sbom("--texts", self.tree()).returncode, 0)
+        (self.folder / "share/doc/rubble/licenses/qhull.txt").write_text("another\n", encoding="utf-8")
+        done = make_sbom("--texts", self.folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("lacks licenses/qhull.txt", done.stdout)
+
+    def test_wheels_and_archives(self):
+        for left_out, status in (("", 0), ("onetbb.txt", 1)):
+            with zipfile.ZipFile(self.folder / "a.whl", "w") as wheel, tarfile.open(self.folder / "a.tar.gz", "w:gz") as archive:
+                for text in self.texts:
+                    if text.name != left_out:
+                        wheel.write(text, f"rubble-1.dist-info/licenses/licenses/{text.name}")
+                        archive.add(text, f"rubble-1/share/doc/rubble/licenses/{text.name}")
+            for file in ("a.whl", "a.tar.gz"):
+                done = make_sbom("--texts", self.folder / file)
+                self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+                self.assertEqual(f"{file} lacks licenses/onetbb.txt" in done.stdout, status == 1)
+
+    def test_a_wheel_takes_them(self):
+        settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+        taken = {path for pattern in settings["project"]["license-files"] for path in ROOT.glob(pattern)}
+        self.assertLessEqual({ROOT / "LICENSE", ROOT / "THIRD_PARTY.md", *self.texts}, taken)
+
+
+if __name__ == "__main__":
+    unittest.main()
