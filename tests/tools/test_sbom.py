@@ -15,8 +15,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def make_sbom(*arguments, **options):
-    return subprocess.run([sys.executable, ROOT / "tools/make_sbom", *arguments], capture_output=True, text=True,
-                          **options)
+    command = [sys.executable, ROOT / "tools/make_sbom", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, **options)
 
 
 class Versions(unittest.TestCase):
@@ -49,7 +49,8 @@ class Versions(unittest.TestCase):
     def test_those_of_the_machine_go_first(self):
         self.program("dpkg-query", 'echo "libtbb-dev installed 1:2099.1.0-2ubuntu3"',
                      'echo "libqhull-dev not-installed "', "exit 1")
-        self.program("pkg-config", '[ "$2" = fmt ] && echo 99.2 && exit 0', '[ "$2" = tbb ] && echo 1', "exit 1")
+        self.program("pkg-config", '[ "$2" = fmt ] && echo 99.2 && exit 0', '[ "$2" = tbb ] && echo 1',
+                     "exit 1")
         self.program("nvcc", 'echo "Cuda compilation tools, release 99.0, V99.0.7"')
         found = self.found()
         version, purl, source = found["libtbb-dev"]
