@@ -31,6 +31,15 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/rubbleConfigVersion.cmake
 install(FILES ${PROJECT_BINARY_DIR}/rubbleConfig.cmake ${PROJECT_BINARY_DIR}/rubbleConfigVersion.cmake
   DESTINATION ${rubble_package_dir})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/licenses DESTINATION ${CMAKE_INSTALL_DOCDIR})
+if(rubble_cuda)
+  # a toolkit that comes as packages of a system may lack it
+  find_file(RUBBLE_CUDA_EULA EULA.txt HINTS ${CUDAToolkit_LIBRARY_ROOT} ${CUDAToolkit_BIN_DIR}/.. NO_DEFAULT_PATH)
+  mark_as_advanced(RUBBLE_CUDA_EULA)
+  if(RUBBLE_CUDA_EULA)
+    install(FILES ${RUBBLE_CUDA_EULA} DESTINATION ${CMAKE_INSTALL_DOCDIR}/licenses RENAME cuda.txt)
+  endif()
+endif()
 # Files: rubble::io, and rubble::convert where models can be read. Their headers lie in include/rubble/io and include/rubble/convert.
 if(TARGET rubble_io AND NOT SKBUILD)
   set(rubble_file_targets rubble_io rubble_meshes rubble_usd)

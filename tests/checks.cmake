@@ -59,6 +59,8 @@ if(RUBBLE_CHECKS)
   if(TARGET rubble_c)
     rubble_add_check(c_layout checks ${Python3_EXECUTABLE} tools/check_layout $<TARGET_FILE:rubble_c>)
   endif()
+  rubble_add_check(from_source long bash tests/packaging/from_source ${CMAKE_CXX_COMPILER})
+  set_tests_properties(check.from_source PROPERTIES RUN_SERIAL ON TIMEOUT 7200)
   rubble_add_check(release long bash tests/packaging/release)
   set_tests_properties(check.release PROPERTIES RUN_SERIAL ON TIMEOUT 14400)
 

@@ -395,8 +395,27 @@ class Soak(Case):
         self.assertEqual(first["edits"], again["edits"])
         self.assertEqual(first["engine_mb"], again["engine_mb"])
 
+    def test_memory_that_grows_is_a_fault(self):
+        arguments = ["soak", "--steps", "300", "--bodies", "40", "--json", self.path("soak.json")]
+        flat = self.rubble(*arguments, "--growth", "100")
+        self.assertIn("verdict: holds", flat.stdout)
+        # a negative limit is one that no run keeps
+        grown = self.rubble(*arguments, "--growth=-100", status=1)
+        self.assertIn("fault: resident memory", grown.stdout)
+        self.assertIn("verdict: does not hold", grown.stdout)
+        with open(self.path("soak.json"), encoding="utf-8") as file:
+            record = json.load(file)
+        memory = record["rss_mb"]
+        self.assertEqual(len(record["faults"]), 1)
+        self.assertEqual(memory["allowed"], -100)
+        self.assertGreater(min(memory[key] for key in ("start", "tenth", "end")), 1)
+        # tables that grow are no fault
+        self.assertLessEqual(memory["growth"], memory["end"] - memory["tenth"] + 1e-9)
+        self.assertGreater(memory["growth"], memory["end"] - memory["tenth"] - record["engine_mb"] - 1e-9)
+
     def test_bad_numbers(self):
         self.refused("soak", "--bodies", "1", says="--bodies")
+        self.refused("soak", "--growth", "much", says="--growth")
         self.refused("soak", "--backend", "abacus", says="abacus")
 
 

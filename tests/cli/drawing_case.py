@@ -35,9 +35,9 @@ class DrawingCase(unittest.TestCase):
             json.dump({**SCENE, "bodies": [*SCENE["bodies"][:bodies], *extra]}, file)
         return self.path("scene.json")
 
-    def rubble(self, *arguments, status=0, environment=None):
+    def rubble(self, *arguments, status=0, environment=None, inside=None):
         done = subprocess.run([RUBBLE, *arguments], capture_output=True, text=True, timeout=600,
-                              env=environment or ENVIRONMENT)
+                              env=environment or ENVIRONMENT, cwd=inside)
         self.assertEqual(done.returncode, status, f"{arguments}\n{done.stdout}\n{done.stderr}")
         return done
 

@@ -263,6 +263,22 @@ class Film(Case):
                      says="expected a file that can be written")
         self.refused("render", self.scene(), "-o", self.path("film.mp4"), "--size", "65x36", says="even")
 
+    @unittest.skipUnless(HAS_GL and shutil.which("ffmpeg"), "built without OpenGL, or no ffmpeg")
+    def test_names_that_ffmpeg_could_take_for_options_addresses_or_patterns(self):
+        # relative ones, since an absolute one begins with a slash
+        for folder in ("-r", "pipe:1", "50%d", "%04d:-x"):
+            os.mkdir(self.path(folder))
+            for name, magic in (("film.mp4", b"ftyp"), ("end.jpg", b"\xff\xd8\xff"), ("film.gif", b"GIF8")):
+                self.rubble("render", self.scene(), f"--out={folder}/{name}", "--size", "64x36", "--steps", "3",
+                            "--samples", "1", "-q", inside=self.folder.name)
+                self.assertIn(magic, self.content(f"{folder}/{name}")[:8], folder)
+                self.assertEqual(os.listdir(self.path(folder)), [name])
+                os.remove(self.path(f"{folder}/{name}"))
+        for name in ("-y.mp4", "a:b.mp4", "100%d.mp4"):
+            self.rubble("render", self.scene(), f"--out={name}", "--size", "64x36", "--steps", "3",
+                        "--samples", "1", "-q", inside=self.folder.name)
+            self.assertIn(b"ftyp", self.content(name)[:8], name)
+
     @unittest.skipUnless(HAS_GL and shutil.which("ffmpeg") and shutil.which("ffprobe"),
                          "built without OpenGL, or no ffmpeg")
     def test_a_film_has_the_right_length(self):
