@@ -1,46 +1,10 @@
 #include <rubble/c/world.h>
 
-#include <cstring>
-
 #include "c_api/dlpack.h"
 #include "c_api/handles.h"
 
 using namespace rubble;
 using namespace rubble::c;
-
-namespace {
-
-/// A tensor and what it points to.
-struct OwnedTensor {
-  dlpack::ManagedTensor managed;
-  std::int64_t shape[2], strides[2];
-  std::shared_ptr<World> world;
-
-  static void destroy(dlpack::ManagedTensor* tensor) { delete static_cast<OwnedTensor*>(tensor->context); }
-};
-
-std::unique_ptr<OwnedTensor> tensorOf(const std::shared_ptr<World>& world, const ArrayView& view) {
-  const std::int64_t size = view.typestr[2] - '0';
-  auto out = std::make_unique<OwnedTensor>();
-  out->world = world;
-  for (int k = 0; k < 2; ++k) {
-    if (view.strides[k] % size != 0) throw Error("array", "strides of whole numbers", "others");
-    out->shape[k] = view.shape[k], out->strides[k] = view.strides[k] / size;
-  }
-  const std::uint8_t code = view.typestr[1] == 'i' ? dlpack::kInt : dlpack::kFloat;
-  out->managed.tensor = {const_cast<void*>(view.data),
-                         {view.device ? dlpack::kCuda : dlpack::kCpu, 0},
-                         2,
-                         {code, static_cast<std::uint8_t>(8 * size), 1},
-                         out->shape,
-                         out->strides,
-                         0};
-  out->managed.context = out.get();
-  out->managed.deleter = OwnedTensor::destroy;
-  return out;
-}
-
-}  // namespace
 
 extern "C" {
 
@@ -93,16 +57,26 @@ rb_status rb_world_scatter_joints(rb_world* world, int32_t which, const rb_array
 
 int64_t rb_world_epoch(const rb_world* world) { return world ? world->world->epoch() : -1; }
 
-rb_status rb_world_dlpack(rb_world* world, int32_t which, void** tensor) {
+rb_status rb_world_device(const rb_world* world, int32_t* device, uint64_t* stream) {
   return guarded([&] {
-    const ArrayView view = worldOf(world).array(stateArrayOf(which));
-    need(tensor, "tensor") = &tensorOf(world->world, view).release()->managed;
+    const DeviceStream own = worldOf(world).deviceStream();
+    need(device, "device") = own.device, need(stream, "stream") = own.stream;
   });
 }
 
-void rb_dlpack_delete(void* tensor) {
-  auto* const managed = static_cast<dlpack::ManagedTensor*>(tensor);
-  if (managed && managed->deleter) managed->deleter(managed);
+rb_status rb_world_dlpack(rb_world* world, int32_t which, void** tensor) {
+  constexpr std::uint64_t kLegacyStream = 1;
+  return guarded([&] {
+    const ArrayView array = worldOf(world).array(stateArrayOf(which));
+    need(tensor, "tensor") = dlpack::tensorOn(world->world, array, kLegacyStream);
+  });
+}
+
+rb_status rb_world_dlpack_of(rb_world* world, const rb_array* array, uint64_t stream, void** tensor) {
+  return guarded([&] {
+    need(world, "world");
+    need(tensor, "tensor") = dlpack::tensorOn(world->world, fromC(need(array, "array")), stream);
+  });
 }
 
 rb_status rb_world_sort_bodies(rb_world* world) {

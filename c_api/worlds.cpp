@@ -5,6 +5,7 @@
 
 #include <rubble/worlds.h>
 
+#include "c_api/dlpack.h"
 #include "c_api/handles.h"
 #include "io/definition_json.h"
 
@@ -109,6 +110,20 @@ rb_status rb_worlds_set_params(rb_worlds* worlds, const char* json) {
 
 rb_status rb_worlds_array(const rb_worlds* worlds, int32_t which, rb_array* array) {
   return guarded([&] { need(array, "array") = toC(worldsOf(worlds).array(stateArrayOf(which))); });
+}
+
+rb_status rb_worlds_device(const rb_worlds* worlds, int32_t* device, uint64_t* stream) {
+  return guarded([&] {
+    const DeviceStream own = worldsOf(worlds).deviceStream();
+    need(device, "device") = own.device, need(stream, "stream") = own.stream;
+  });
+}
+
+rb_status rb_worlds_dlpack_of(rb_worlds* worlds, const rb_array* array, uint64_t stream, void** tensor) {
+  return guarded([&] {
+    need(worlds, "worlds");
+    need(tensor, "tensor") = dlpack::tensorOn(worlds->worlds, fromC(need(array, "array")), stream);
+  });
 }
 
 rb_status rb_worlds_rows(rb_worlds* worlds, int32_t number, const int32_t** rows, int64_t* count) {

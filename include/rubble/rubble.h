@@ -21,6 +21,7 @@
 #include <rubble/result.h>
 #include <rubble/rod.h>
 #include <rubble/scene.h>
+#include <rubble/streams.h>
 #include <rubble/tasks.h>
 #include <rubble/world.h>
 #endif

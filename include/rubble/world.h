@@ -20,6 +20,7 @@
 #include <rubble/ranks.h>
 #include <rubble/report.h>
 #include <rubble/scene.h>
+#include <rubble/streams.h>
 #include <rubble/tasks.h>
 
 namespace rubble {
@@ -233,6 +234,15 @@ class World {
   /// values.stream, so later work on that stream may overwrite it. Rows without a body are ignored. Values on
   /// the device are not checked: a step quarantines bodies that are not finite. Orientations are normalized.
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
+  // Streams that read arrays of the backend "cuda". Once an array was taken, all writes (steps, scatter(),
+  // edits, and the next array() of joints or sensors) come after the work so far of the legacy default
+  // stream, and before its later work. They wait on the device, never on the host.
+  /// Where the arrays are, and the stream of the engine.
+  DeviceStream deviceStream() const;
+  /// Orders another stream as the default one, while the result exists. The stream must exist until then, and
+  /// is given as ArrayView::stream. Null for 0 and for arrays in host memory. The result may end in any
+  /// thread.
+  std::shared_ptr<void> addReader(std::uintptr_t stream) const;
 
   // Joints, sensors and vertices as arrays, in the memory of the backend. A view is valid until the next call
   // for the same array, or a call that adds or removes bodies, joints or deformable objects.

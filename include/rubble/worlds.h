@@ -77,6 +77,10 @@ class Worlds {
   /// World::contactForces() of pairs of rows of array(): two bodies of one world each.
   ArrayView contactForces(std::span<const std::array<int, 2>> rows) const;
 
+  // As of World, for the arrays above.
+  DeviceStream deviceStream() const;
+  std::shared_ptr<void> addReader(std::uintptr_t stream) const;
+
   /// A ray in one of the worlds.
   struct WorldRay {
     int world;

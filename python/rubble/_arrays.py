@@ -8,6 +8,7 @@ from typing import Any, Optional
 import numpy as np
 
 from . import _abi
+from ._exchange import CPU, CUDA, WORLD, Functions, capsule_of, device_of, interface_of, view_of
 from ._library import check, invalid, lib
 
 NAMES = ("position", "orientation", "velocity", "angular_velocity", "force", "torque")
@@ -15,22 +16,6 @@ JOINT_NAMES = ("position", "speed", "drive_force", "limit_force", "friction_forc
                "upper_limit", "target_position", "target_speed", "applied_force")
 SENSOR_NAMES = ("contact_force", "touch", "acceleration", "angular_rate", "joint_force", "joint_torque")
 VERTEX_NAMES = ("position", "velocity")
-_NONE = ctypes.c_void_p()
-_TENSOR = b"dltensor"
-
-_new_capsule = ctypes.pythonapi.PyCapsule_New
-_new_capsule.restype = ctypes.py_object
-_new_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
-_is_valid = ctypes.pythonapi.PyCapsule_IsValid
-_is_valid.restype, _is_valid.argtypes = ctypes.c_int, [ctypes.c_void_p, ctypes.c_char_p]
-_pointer_of = ctypes.pythonapi.PyCapsule_GetPointer
-_pointer_of.restype, _pointer_of.argtypes = ctypes.c_void_p, [ctypes.c_void_p, ctypes.c_char_p]
-
-
-@ctypes.PYFUNCTYPE(None, ctypes.c_void_p)
-def _delete_capsule(capsule: int) -> None:
-    if _is_valid(capsule, _TENSOR):  # a consumer that takes the tensor over renames the capsule
-        lib.rb_dlpack_delete(_pointer_of(capsule, _TENSOR))
 
 
 def index_of(name: str, names: tuple[str, ...] = NAMES) -> int:
@@ -41,62 +26,24 @@ def index_of(name: str, names: tuple[str, ...] = NAMES) -> int:
         raise invalid("array", "one of " + ", ".join(names), repr(name)) from None
 
 
-# PyTorch 2.11 never frees the values of an interface that torch.as_tensor has read (pytorch/pytorch#194877),
-# so those of the same array are the same objects.
-@functools.lru_cache(maxsize=1024)
-def _device_interface(data: int, shape: tuple[int, ...], strides: tuple[int, ...], typestr: bytes,
-                      stream: int) -> dict[str, Any]:
-    # memory of a device is not flagged as read-only, which PyTorch refuses
-    return {"data": (data, False), "shape": shape, "strides": strides, "typestr": typestr.decode(),
-            "version": 3, "stream": stream or None}
+class _Source:
+    """What numpy reads an interface of."""
+
+    def __init__(self, interface: dict[str, Any]) -> None:
+        self.__array_interface__ = interface
 
 
-def _on_device(view: _abi.Array) -> dict[str, Any]:
-    return _device_interface(view.data or 0, tuple(view.shape), tuple(view.strides), view.typestr,
-                             view.stream or 0)
+class _Exchanged:
+    """What arrays have in common: their layout, and the protocols of libraries for device memory."""
 
+    __slots__ = ("_owner", "_view", "_functions")
 
-class DeviceArray:
-    """An array in device memory, for CuPy, PyTorch, JAX, Warp and others (``__cuda_array_interface__``)."""
+    _owner: Any
+    _view: _abi.Array
+    _functions: Functions
 
-    def __init__(self, owner: Any, view: _abi.Array) -> None:
-        self._owner, self.__cuda_array_interface__ = owner, _on_device(view)
-        self.shape = self.__cuda_array_interface__["shape"]
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-
-def read_array(call: Any, owner: Any, which: int) -> Any:
-    """What call(owner, which, array) describes: a copy of host memory, or a `DeviceArray`."""
-    view = _abi.Array()
-    check(call(owner.pointer, which, ctypes.byref(view)))
-    if view.device:
-        return DeviceArray(owner, view)
-    return _copy_of(view) if view.data else np.empty(tuple(view.shape), view.typestr.decode())
-
-
-def write_rows(call: Any, pointer: Any, which: int, rows: Any, values: Any) -> None:
-    """call(pointer, which, rows, values) with both as C arrays."""
-    keep: list[Any] = []
-    row_view, value_view = _view_of(rows, np.int32, keep), _view_of(values, np.float64, keep)
-    check(call(pointer, which, ctypes.byref(row_view), ctypes.byref(value_view)))
-
-
-class Array:
-    """A read-only view of one state array of a world, one row per body slot.
-
-    It exchanges data without a copy: ``numpy.asarray(a)`` for host memory, ``__cuda_array_interface__`` and
-    ``__dlpack__`` for libraries such as CuPy, PyTorch, JAX and Warp. It is valid while ``world.epoch`` is
-    unchanged.
-    """
-
-    __slots__ = ("_owner", "_which", "_view")
-
-    def __init__(self, owner: Any, which: int) -> None:
-        # the owner of the C world alone, so that a world that caches its views is no cycle of references
-        self._owner, self._which, self._view = owner, which, _abi.Array()
-        check(lib.rb_world_array(owner.pointer, which, ctypes.byref(self._view)))
+    def _update(self) -> None:
+        """Applies pending edits, so that a reader finds them."""
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -109,6 +56,11 @@ class Array:
         return tuple(self._view.strides)
 
     @property
+    def ndim(self) -> int:
+        """2."""
+        return 2
+
+    @property
     def dtype(self) -> np.dtype:
         return np.dtype(self._view.typestr.decode())
 
@@ -118,36 +70,111 @@ class Array:
         return bool(self._view.device)
 
     @property
-    def __array_interface__(self) -> dict[str, Any]:
-        if self.on_device:
-            raise AttributeError("the array is in device memory: use __cuda_array_interface__ or __dlpack__")
-        return {"data": (self._view.data or 0, True), "shape": self.shape, "strides": self.strides,
-                "typestr": self._view.typestr.decode(), "version": 3}
-
-    @property
     def __cuda_array_interface__(self) -> dict[str, Any]:
         if not self.on_device:
             raise AttributeError("the array is in host memory: use numpy.asarray")
-        return _on_device(self._view)
+        self._update()
+        return interface_of(self._view)
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
+        if self.on_device:
+            raise TypeError("the array is in device memory: use a library for GPUs")
+        return np.array(self, dtype=dtype, copy=copy)  # by __array_interface__
 
     def __dlpack_device__(self) -> tuple[int, int]:
-        return (2 if self.on_device else 1, 0)
+        """Type and number of the device, as in DLPack: (1, 0) for the host, (2, number) for a GPU."""
+        return (CUDA, device_of(self._functions, self._owner.pointer)[0]) if self.on_device else (CPU, 0)
 
-    def __dlpack__(self, *, stream: Optional[int] = None, max_version: Any = None, dl_device: Any = None,
-                   copy: Optional[bool] = None) -> Any:
-        """A DLPack capsule. Do not write to it: writes go through ``World.scatter``."""
+    def __dlpack__(self, *, stream: Optional[int] = None, max_version: Any = None,
+                   dl_device: Optional[tuple[int, int]] = None, copy: Optional[bool] = None) -> Any:
+        """A DLPack capsule. Do not write to it: writes go through `scatter`.
+
+        Args:
+            stream: Reads the array: None or 1 for the legacy default stream, 2 for that of the thread, or a
+                handle. Its later work waits for the engine. Until the tensor is freed, what the engine writes
+                waits for the work of the stream, which must exist until then. -1: nothing is ordered.
+        Raises:
+            BufferError: For another device, a copy, or a stream of an array in host memory.
+        """
         if copy:
             raise BufferError("a view is never a copy: copy the result")
-        tensor = ctypes.c_void_p()
-        check(lib.rb_world_dlpack(self._owner.pointer, self._which, ctypes.byref(tensor)))
-        return _new_capsule(tensor, _TENSOR, ctypes.cast(_delete_capsule, ctypes.c_void_p))
+        if dl_device is not None and tuple(map(int, dl_device)) != self.__dlpack_device__():
+            raise BufferError("a view stays on its device: copy the result")
+        self._update()
+        return capsule_of(self._functions, self._owner.pointer, self._view, stream)
 
     def __len__(self) -> int:
         return self._view.shape[0]
 
     def __repr__(self) -> str:
         place = "device" if self.on_device else "host"
-        return f"<rubble.Array {NAMES[self._which]} {self.shape} {self.dtype} on {place}>"
+        return f"<rubble.{type(self).__name__} {self._name()}{self.shape} {self.dtype} on {place}>"
+
+    def _name(self) -> str:
+        return ""
+
+
+class DeviceArray(_Exchanged):
+    """A read-only array in device memory, for PyTorch, JAX, CuPy, Warp and others.
+
+    They take it by ``__dlpack__`` or ``__cuda_array_interface__``, without a copy. It is valid until the next
+    call for the same array.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, owner: Any, view: _abi.Array, functions: Functions = WORLD) -> None:
+        self._owner, self._view, self._functions = owner, view, functions
+
+
+def read_array(call: Any, owner: Any, which: int, functions: Functions = WORLD) -> Any:
+    """What call(owner, which, array) describes: a copy of host memory, or a `DeviceArray`."""
+    view = _abi.Array()
+    check(call(owner.pointer, which, ctypes.byref(view)))
+    if view.device:
+        return DeviceArray(owner, view, functions)
+    return _copy_of(view) if view.data else np.empty(tuple(view.shape), view.typestr.decode())
+
+
+def write_rows(call: Any, owner: Any, which: int, rows: Any, values: Any,
+               functions: Functions = WORLD) -> None:
+    """call(owner, which, rows, values) with both as C arrays."""
+    keep: list[Any] = []
+    used: list[Any] = []
+    device = functools.partial(device_of, functions, owner.pointer)
+    row_view = view_of("rows", rows, np.int32, device, keep, used)
+    value_view = view_of("values", values, np.float64, device, keep, used)
+    # the device reads later, but at the latest in the next step
+    owner.held.extend(used)
+    check(call(owner.pointer, which, ctypes.byref(row_view), ctypes.byref(value_view)))
+
+
+class Array(_Exchanged):
+    """A read-only view of one state array of a world, one row per body slot.
+
+    Others take it without a copy: ``numpy.asarray(a)`` for host memory, ``__dlpack__`` and
+    ``__cuda_array_interface__`` for libraries such as PyTorch, JAX, CuPy and Warp. It is valid while
+    ``world.epoch`` is unchanged.
+    """
+
+    __slots__ = ("_which",)
+
+    def __init__(self, owner: Any, which: int) -> None:
+        # the owner of the C world alone, so that a world that caches its views is no cycle of references
+        self._owner, self._which, self._view, self._functions = owner, which, _abi.Array(), WORLD
+        self._update()
+
+    def _update(self) -> None:
+        check(lib.rb_world_array(self._owner.pointer, self._which, ctypes.byref(self._view)))
+
+    @property
+    def __array_interface__(self) -> dict[str, Any]:
+        if self.on_device:
+            raise AttributeError("the array is in device memory: use __cuda_array_interface__ or __dlpack__")
+        return _host_interface(self._view)
+
+    def _name(self) -> str:
+        return f"{NAMES[self._which]} "
 
 
 class StateArrays:
@@ -221,11 +248,12 @@ class StateArrays:
             name: As for `array`.
             rows: (n,) integers without duplicates, ``body.index``.
             values: (n, 3), or (n, 4) for "orientation". Both arguments are host arrays, or with the backend
-                "cuda" both objects with ``__cuda_array_interface__``.
+                "cuda" both arrays of its device, with ``__cuda_array_interface__`` or ``__dlpack__``.
+                Those are read in the order of their stream, and may be overwritten in it afterwards.
         Raises:
             Error: For a wrong shape or a number that is not finite.
         """
-        write_rows(lib.rb_world_scatter, self._pointer, index_of(name), rows, values)
+        write_rows(lib.rb_world_scatter, self._owner, index_of(name), rows, values)
 
     def axes(self) -> list[tuple[int, int]]:
         """(joint.index, axis) of each row of the joint arrays."""
@@ -282,7 +310,7 @@ class StateArrays:
             rows: (n,) integers without duplicates.
             values: (n,) numbers.
         """
-        write_rows(lib.rb_world_scatter_joints, self._pointer, index_of(name, JOINT_NAMES), rows, values)
+        write_rows(lib.rb_world_scatter_joints, self._owner, index_of(name, JOINT_NAMES), rows, values)
 
     def begin_poses(self) -> None:
         """Starts a copy of the present poses to the host. At most two may be pending."""
@@ -303,33 +331,10 @@ class StateArrays:
         check(lib.rb_world_sort_bodies(self._pointer))
 
 
+def _host_interface(view: _abi.Array) -> dict[str, Any]:
+    return {"data": (view.data or 0, True), "shape": tuple(view.shape), "strides": tuple(view.strides),
+            "typestr": view.typestr.decode(), "version": 3}
+
+
 def _copy_of(view: _abi.Array) -> np.ndarray:
-    class Source:
-        __array_interface__ = {"data": (view.data, True), "shape": tuple(view.shape), "version": 3,
-                               "strides": tuple(view.strides), "typestr": view.typestr.decode()}
-    return np.array(Source())
-
-
-def _view_of(values: Any, kind: Any, keep: list[Any]) -> _abi.Array:
-    """The C description of an array. `keep` takes what its memory belongs to."""
-    device = getattr(values, "__cuda_array_interface__", None)
-    if device is None:
-        host = np.asarray(values)
-        if kind is np.int32 or host.dtype != np.float32:
-            host = np.asarray(host, dtype=kind)
-        keep.append(host)
-        described = dict(host.__array_interface__, strides=host.strides)
-    else:
-        keep.append(values)
-        described = device
-    shape = tuple(described["shape"])
-    typestr = described["typestr"]
-    size = int(typestr[2:])
-    shape = shape if len(shape) > 1 else (*shape, 1)
-    strides = described.get("strides") or (shape[-1] * size, size)
-    strides = strides if len(strides) > 1 else (*strides, size)
-    view = _abi.Array()
-    view.data, view.typestr = described["data"][0], typestr.encode()
-    view.shape, view.strides = tuple(shape), tuple(strides)
-    view.device, view.stream = device is not None, described.get("stream") or 0
-    return view
+    return np.array(_Source(_host_interface(view)))

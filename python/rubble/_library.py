@@ -152,12 +152,17 @@ def list_of(function: Callable[..., int], kind: Any, *arguments: Any) -> np.ndar
 
 
 class Handle:
-    """Owns an object of the library."""
+    """Owns an object of the library.
 
-    __slots__ = ("pointer", "_destroy")
+    Attributes:
+        held: What the next step of a world may still read.
+    """
+
+    __slots__ = ("pointer", "held", "_destroy")
 
     def __init__(self, create: Callable[..., int], destroy: Callable[[Any], None], *arguments: Any) -> None:
         self._destroy = destroy
+        self.held: list[Any] = []
         self.pointer = ctypes.c_void_p()
         check(create(*arguments, ctypes.byref(self.pointer)))
 

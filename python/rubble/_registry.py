@@ -63,7 +63,8 @@ class _RunWorld:
     """The world inside a run, which it keeps alive."""
 
     def __init__(self, run: Handle) -> None:
-        self.run, self.pointer = run, ctypes.c_void_p(lib.rb_run_world(run.pointer))
+        self.run, self.held = run, run.held
+        self.pointer = ctypes.c_void_p(lib.rb_run_world(run.pointer))
 
 
 class Run:
@@ -94,6 +95,7 @@ class Run:
         """Applies the events of this step, takes it and measures."""
         report = StepReport()
         check(lib.rb_run_step(self._handle.pointer, ctypes.byref(report._plain)))
+        self._handle.held.clear()
         return report
 
     def run(self, steps: Optional[int] = None,

@@ -190,6 +190,8 @@ class World(StateArrays, Queries, View):
         for _ in range(count):
             if take(pointer, reference):
                 check(1)
+        if held := self._owner.held:
+            held.clear()
         return report
 
     def run_events(self) -> None:

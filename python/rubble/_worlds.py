@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _abi
 from ._arrays import JOINT_NAMES, SENSOR_NAMES, VERTEX_NAMES, index_of, read_array, write_rows
+from ._exchange import WORLDS
 from ._library import Handle, check, encode, invalid, json_of, lib, matrix
 from ._queries import _rays
 from ._scene import Scene
@@ -23,10 +24,10 @@ if TYPE_CHECKING:
 class _OneOf:
     """Owns the handle of a world, and keeps its batch alive."""
 
-    __slots__ = ("_batch", "_handle")
+    __slots__ = ("_batch", "_handle", "held")
 
     def __init__(self, batch: Handle, number: int) -> None:
-        self._batch = batch
+        self._batch, self.held = batch, batch.held
         self._handle = Handle(lib.rb_worlds_world, lib.rb_world_destroy, batch.pointer, number)
 
     @property
@@ -96,6 +97,7 @@ class Worlds:
             mask = flags.ctypes.data
         for _ in range(count):
             check(lib.rb_worlds_step(self._handle.pointer, 1, mask, ctypes.byref(report._plain)))
+        self._handle.held.clear()
         return report
 
     def reset(self, worlds: Any, snapshots: Union[Snapshot, Sequence[Snapshot]]) -> None:
@@ -140,7 +142,7 @@ class Worlds:
             (rows, numbers). Body k of world w is row ``rows(w)[k]``. Worlds of one scene have
             ``array(name).reshape(len(worlds), -1, numbers)``.
         """
-        return read_array(lib.rb_worlds_array, self._handle, index_of(name))
+        return read_array(lib.rb_worlds_array, self._handle, index_of(name), WORLDS)
 
     def scatter(self, name: str, rows: Any, values: Any) -> None:
         """Writes ``values[k]`` to row ``rows[k]`` of an array; "force" and "torque" accumulate.
@@ -148,24 +150,26 @@ class Worlds:
         Args:
             rows: (n,) integers without duplicates.
             values: (n, 3), or (n, 4) for "orientation".
+
+        Both may be arrays of the device, as in `World.scatter`.
         """
-        write_rows(lib.rb_worlds_scatter, self._handle.pointer, index_of(name), rows, values)
+        write_rows(lib.rb_worlds_scatter, self._handle, index_of(name), rows, values, WORLDS)
 
     def joint_array(self, name: str) -> Any:
         """`World.joint_array` of all worlds, world after world: (rows, 1). Axis k of world w has the row
         ``first_axis(w) + k``. Worlds of one scene have ``joint_array(name).reshape(len(worlds), -1)``."""
-        return read_array(lib.rb_worlds_joint_array, self._handle, index_of(name, JOINT_NAMES))
+        return read_array(lib.rb_worlds_joint_array, self._handle, index_of(name, JOINT_NAMES), WORLDS)
 
     def sensor_array(self, name: str) -> Any:
         """`World.sensor_array` of all worlds. Rows of bodies are those of `array`; joints are world after
         world."""
-        return read_array(lib.rb_worlds_sensor_array, self._handle, index_of(name, SENSOR_NAMES))
+        return read_array(lib.rb_worlds_sensor_array, self._handle, index_of(name, SENSOR_NAMES), WORLDS)
 
     def vertex_array(self, name: str) -> Any:
         """`World.vertex_array` of all worlds, world after world: (vertices, 3). The vertices of world w begin
         at row ``first_vertex(w)``, those of an object of it ``object.first_vertex`` rows later. Worlds of one
         scene have ``vertex_array(name).reshape(len(worlds), -1, 3)``."""
-        return read_array(lib.rb_worlds_vertex_array, self._handle, index_of(name, VERTEX_NAMES))
+        return read_array(lib.rb_worlds_vertex_array, self._handle, index_of(name, VERTEX_NAMES), WORLDS)
 
     def first_vertex(self, world: int) -> int:
         """Row of the first vertex of a world in `vertex_array`."""
@@ -182,7 +186,7 @@ class Worlds:
     def scatter_joints(self, name: str, rows: Any, values: Any) -> None:
         """`World.scatter_joints` with rows of `joint_array` of all worlds."""
         which = index_of(name, JOINT_NAMES)
-        write_rows(lib.rb_worlds_scatter_joints, self._handle.pointer, which, rows, values)
+        write_rows(lib.rb_worlds_scatter_joints, self._handle, which, rows, values, WORLDS)
 
     def contact_forces(self, pairs: Any) -> Any:
         """Contact forces of the last step between the two bodies of each pair.
@@ -196,7 +200,7 @@ class Worlds:
 
         def call(pointer: Any, which: int, array: Any) -> int:
             return lib.rb_worlds_contact_forces(pointer, rows.ctypes.data, len(rows), array)
-        return read_array(call, self._handle, 0)
+        return read_array(call, self._handle, 0, WORLDS)
 
     def cast_rays(self, worlds: Any, origins: Any, directions: Any, max_distance: float = 1e6,
                   **filter: Unpack[FilterFields]) -> np.ndarray:

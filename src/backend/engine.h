@@ -38,6 +38,8 @@ class PoseCopies {
   virtual ArrayView orientation(int buffer) const = 0;
 };
 
+class DeviceArrays;
+
 /// What a caller is going to read: nothing but the state of one body, vertices, or anything.
 enum class Fetch { Body, Vertices, All };
 
@@ -101,6 +103,8 @@ class Engine {
   virtual ArrayView contactForces(std::span<const std::array<int, 2>> pairs) = 0;
   /// As World::scatter. Checked as above.
   virtual void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) = 0;
+  /// Null: array() is host memory.
+  virtual DeviceArrays* deviceArrays() { return nullptr; }
   /// Null: array() is host memory.
   virtual PoseCopies* poseCopies() { return nullptr; }
 

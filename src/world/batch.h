@@ -149,6 +149,7 @@ class WorldSlice final : public Engine {
   ArrayView array(VertexArray which) override;
   void scatter(JointArray which, const ArrayView& rows, const ArrayView& values) override;
   ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override;
+  DeviceArrays* deviceArrays() override { return batch_->engine().deviceArrays(); }
   bool reserve(const std::string& kind, int count) override { return batch_->engine().reserve(kind, count); }
   std::size_t memoryBytes() const override { return batch_->engine().memoryBytes(); }
   /// Of everything that the world has.

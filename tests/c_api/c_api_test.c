@@ -107,6 +107,36 @@ static void aCrateFallsAndRests(void) {
   rb_world_destroy(world);
 }
 
+static void anArrayIsATensorThatKeepsItsWorld(void) {
+  rb_scene* scene = sceneOfACrate();
+  rb_world* world = NULL;
+  rb_worlds* worlds = NULL;
+  rb_array velocities;
+  int32_t device = 0;
+  uint64_t stream = 1;
+  void* tensor = NULL;
+  CHECK(rb_world_create(scene, "{\"threads\": 1}", &world) == RB_OK);
+  CHECK(rb_world_device(world, &device, &stream) == RB_OK && device == -1 && stream == 0);
+  CHECK(rb_world_array(world, RB_VELOCITY, &velocities) == RB_OK);
+  CHECK(rb_world_dlpack_of(world, &velocities, 0, &tensor) == RB_OK);
+  rb_world_destroy(world);
+  CHECK(*(void**)tensor == velocities.data); /* the first member */
+  CHECK(*(const float*)velocities.data == 0);
+  rb_dlpack_delete(tensor);
+  CHECK(rb_world_dlpack_of(NULL, &velocities, 0, &tensor) == RB_INVALID);
+
+  CHECK(rb_worlds_create("{\"threads\": 1}", &worlds) == RB_OK);
+  CHECK(rb_worlds_device(worlds, &device, &stream) == RB_OK && device == -1);
+  CHECK(rb_worlds_add(worlds, scene, 2, NULL) == RB_OK);
+  CHECK(rb_worlds_device(worlds, &device, &stream) == RB_OK && device == -1);
+  CHECK(rb_worlds_array(worlds, RB_VELOCITY, &velocities) == RB_OK && velocities.shape[0] == 4);
+  CHECK(rb_worlds_dlpack_of(worlds, &velocities, 0, &tensor) == RB_OK);
+  rb_worlds_destroy(worlds);
+  CHECK(*(void**)tensor == velocities.data && *(const float*)velocities.data == 0);
+  rb_dlpack_delete(tensor);
+  rb_scene_destroy(scene);
+}
+
 static void aSnapshotContinuesBitForBit(void) {
   rb_scene* scene = sceneOfACrate();
   rb_world* world = NULL;
@@ -339,6 +369,7 @@ int main(void) {
   arraysOfJointsAndSensorsHaveRowsOfAllWorlds();
   noCallDiesOfANullPointer();
   aCrateFallsAndRests();
+  anArrayIsATensorThatKeepsItsWorld();
   aSnapshotContinuesBitForBit();
   aHingeAddedToAWorldStandsAtThePresentPoses();
   aSheetIsHitByQueriesThatAskForDeformables();

@@ -1,6 +1,10 @@
 """Arrays and environments on a GPU."""
 from support import Case, crate_scene, crate_world  # first: it skips the test where numpy is missing
 
+import contextlib
+import gc
+import importlib
+import os
 import sys
 import unittest
 
@@ -20,6 +24,58 @@ try:
     from rubble import gym
 except ImportError:
     gym = None
+
+CYCLES = 100_000_000  # of a kernel that only waits: some 50 ms
+CRATE = 1  # row
+
+
+def optional(name):
+    """A module that works on this GPU, or None."""
+    os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
+    try:
+        module = importlib.import_module(name)
+        if name == "jax":
+            module.devices("gpu")
+        else:
+            module.cuda.runtime.getDeviceCount()
+    except Exception:  # missing, or without a GPU
+        return None
+    return module
+
+
+def tensor(values, kind=torch.float32):
+    found = torch.tensor(values, dtype=kind, device="cuda")
+    torch.cuda.synchronize()
+    return found
+
+
+def streams():
+    """Contexts of the default stream of torch and of another one, by name."""
+    return {"default": contextlib.nullcontext(), "own": torch.cuda.stream(torch.cuda.Stream())}
+
+
+def delay_engine(world):
+    """Later work of the engine waits."""
+    with torch.cuda.stream(torch.cuda.ExternalStream(world.positions.__cuda_array_interface__["stream"])):
+        torch.cuda._sleep(CYCLES)
+
+
+def as_tensor(array):
+    return torch.as_tensor(array, device="cuda")
+
+
+class OnlyInterface:
+    """A tensor with an array interface without a stream, and nothing else."""
+
+    def __init__(self, values):
+        self.values, self.__cuda_array_interface__ = values, values.__cuda_array_interface__
+
+
+class OnlyDlpack:
+    """A tensor with DLPack and nothing else."""
+
+    def __init__(self, values):
+        self.__dlpack__, self.__dlpack_device__ = values.__dlpack__, values.__dlpack_device__
 
 
 class DeviceArrays(Case):
@@ -51,6 +107,182 @@ class DeviceArrays(Case):
             found.append([torch.as_tensor(array, device="cuda").cpu().numpy() for array in arrays])
         for cpu, cuda in zip(*found):
             self.assertNear(cuda, cpu, 1e-4)
+
+
+    def test_arrays_say_what_they_are(self):
+        worlds = rubble.Worlds(crate_scene(), 2, backend="cuda")
+        array = worlds.array("position")
+        self.assertEqual((array.shape, array.dtype, array.on_device), ((4, 3), np.float64, True))
+        self.assertEqual(array.__dlpack_device__(), (2, torch.cuda.current_device()))
+        self.assertEqual(worlds[0].positions.__dlpack_device__(), array.__dlpack_device__())
+        self.assertIn("device", repr(array))
+        self.assertRaises(TypeError, lambda: np.asarray(array))
+        self.assertRaises(TypeError, lambda: np.asarray(worlds[0].positions))
+
+    def test_a_tensor_keeps_its_worlds_alive(self):
+        worlds = rubble.Worlds(crate_scene(), 2, backend="cuda")
+        seen = torch.from_dlpack(worlds.array("position"))
+        del worlds
+        gc.collect()
+        self.assertNear(seen.cpu()[[CRATE, CRATE + 2], 2], [2, 2])
+
+    def test_tensors_that_are_freed_take_no_memory(self):
+        world = crate_world(backend="cuda")
+        def take():
+            for _ in range(50):
+                torch.from_dlpack(world.positions).sum(), as_tensor(world.velocities).sum()
+            world.step()
+            torch.cuda.synchronize()
+            return torch.cuda.mem_get_info()[0]
+        take()
+        before = take()
+        for _ in range(20):
+            after = take()
+        self.assertGreaterEqual(after, before - (1 << 22))
+
+
+class DeviceStreams(Case):
+    """Kernels that wait stand before what must come first."""
+
+    def test_values_may_be_fresh_and_overwritten_afterwards(self):
+        kinds = {"tensor": lambda values: values, "dlpack": OnlyDlpack, "interface": OnlyInterface}
+        for (where, stream), (name, kind) in ((s, k) for k in kinds.items() for s in streams().items()):
+            if (where, name) in (("own", "interface"), ("own", "dlpack")):
+                continue  # nothing says on which stream their memory is used afterwards
+            with self.subTest(where, values=name), stream:
+                world = crate_world(backend="cuda")
+                world.step()
+                rows, values, wanted = tensor([0], torch.int32), tensor([[0, 0, 0]]), tensor([[3, 4, 5]])
+                torch.cuda._sleep(CYCLES)
+                rows.add_(CRATE), values.add_(wanted)
+                world.scatter("velocity", kind(rows), kind(values))
+                values.zero_()
+                self.assertNear(world.bodies["crate"].velocity, (3, 4, 5))
+
+    def test_values_of_dlpack_are_read_behind_the_stream_of_their_library(self):
+        with torch.cuda.stream(torch.cuda.Stream()):
+            world = crate_world(backend="cuda")
+            world.step()
+            rows, values, wanted = tensor([CRATE], torch.int32), tensor([[0, 0, 0]]), tensor([[3, 4, 5]])
+            torch.cuda._sleep(CYCLES)
+            values.add_(wanted)
+            world.scatter("velocity", OnlyDlpack(rows), OnlyDlpack(values))
+            self.assertNear(world.bodies["crate"].velocity, (3, 4, 5))
+            self.assertEqual(len(world._owner.held), 2)
+            world.step()
+            self.assertEqual(world._owner.held, [])
+
+    def test_a_step_waits_for_reads_under_way(self):
+        for where, stream in streams().items():
+            for name, take in (("dlpack", torch.from_dlpack), ("interface", as_tensor)):
+                if (where, name) == ("own", "interface"):
+                    continue  # an interface knows no stream but the default one
+                for freed in (False, True):
+                    with self.subTest(where, by=name, freed=freed), stream:
+                        world = crate_world(backend="cuda")
+                        world.step()
+                        before = world.bodies["crate"].position
+                        seen = take(world.positions)
+                        torch.cuda._sleep(CYCLES)
+                        copy = seen.clone()
+                        if freed:
+                            del seen
+                        world.step(5)
+                        self.assertLess(world.bodies["crate"].position[2], before[2] - 0.001)
+                        torch.cuda.synchronize()
+                        self.assertNear(copy.cpu()[CRATE], before)
+
+    def test_a_read_waits_for_the_engine(self):
+        for where, stream in streams().items():
+            for name, take in (("dlpack", torch.from_dlpack), ("interface", as_tensor)):
+                if (where, name) == ("own", "interface"):
+                    continue
+                with self.subTest(where, by=name), stream:
+                    world = crate_world(backend="cuda")
+                    world.step()
+                    held = take(world.velocities)
+                    delay_engine(world)
+                    world.scatter("velocity", [CRATE], [(1, 2, 3)])
+                    self.assertNear(take(world.velocities).cpu()[CRATE], (1, 2, 3))
+                    delay_engine(world)
+                    world.scatter("velocity", [CRATE], [(4, 5, 6)])
+                    self.assertNear(held.cpu()[CRATE], (4, 5, 6))
+                    world.scatter("angular_velocity", [CRATE], [(7, 8, 9)])
+                    delay_engine(world)
+                    rates = take(world.sensor_array("angular_rate"))
+                    self.assertNear(rates.cpu()[CRATE], (7, 8, 9), 1e-5)
+
+    def test_an_array_that_is_filled_again_waits_for_its_readers(self):
+        worlds = rubble.Worlds(crate_scene(), 2, backend="cuda")
+        for where, stream in streams().items():
+            with self.subTest(where), stream:
+                worlds.scatter("angular_velocity", [CRATE], [(7, 8, 9)])
+                seen = torch.from_dlpack(worlds.sensor_array("angular_rate"))
+                torch.cuda._sleep(CYCLES)
+                copy = seen.clone()
+                worlds.scatter("angular_velocity", [CRATE], [(1, 1, 1)])
+                worlds.sensor_array("angular_rate")
+                self.assertNear(copy.cpu()[CRATE], (7, 8, 9), 1e-5)
+
+    def test_views_of_sorted_bodies_follow_each_step(self):
+        world = crate_world(backend="cuda")
+        world.bodies.add_many([{"shape": rubble.box(1, 1, 1), "position": (3 * (k * 37 % 200), 0, 20)}
+                               for k in range(200)])
+        world.sort_bodies()
+        world.step()
+        with torch.cuda.stream(torch.cuda.Stream()):
+            seen = torch.from_dlpack(world.positions)
+            for _ in range(5):
+                world.step()
+                self.assertNear(seen.cpu()[CRATE], world.bodies["crate"].position)
+
+
+@unittest.skipIf(optional("jax") is None, "JAX is missing, or has no GPU")
+class DeviceJax(Case):
+    def test_arrays_come_and_go_without_a_copy(self):
+        import jax
+        import jax.numpy as jnp
+        world = crate_world(backend="cuda")
+        world.step()
+        velocities = jax.dlpack.from_dlpack(world.velocities)
+        address = world.velocities.__cuda_array_interface__["data"][0]
+        self.assertEqual(velocities.unsafe_buffer_pointer(), address)
+        self.assertNear(velocities[CRATE], world.bodies["crate"].velocity, 1e-6)
+        large = jnp.ones((4096, 4096))
+        for _ in range(20):  # still under way when its result is scattered
+            large = large @ large / 4096
+        world.scatter("velocity", jnp.array([CRATE]), large[:1, :3] * jnp.array([3.0, 4.0, 5.0]))
+        del large
+        self.assertNear(world.bodies["crate"].velocity, (3, 4, 5), 1e-3)
+        world.step()
+        self.assertEqual(world._owner.held, [])
+        worlds = rubble.Worlds(crate_scene(), 2, backend="cuda")
+        worlds.scatter("velocity", jnp.array([CRATE]), jnp.array([[3.0, 4, 5]]))
+        self.assertNear(jax.dlpack.from_dlpack(worlds.array("velocity"))[CRATE], (3, 4, 5))
+
+
+@unittest.skipIf(optional("cupy") is None, "CuPy is missing, or has no GPU")
+class DeviceCupy(Case):
+    def test_arrays_come_and_go_without_a_copy(self):
+        import cupy
+        own = cupy.cuda.Stream(non_blocking=True)
+        for stream in (cupy.cuda.Stream.null, own):
+            for take in (cupy.from_dlpack, cupy.asarray):
+                with self.subTest(stream, by=take), stream:
+                    world = crate_world(backend="cuda")
+                    world.step()
+                    velocities = take(world.velocities)
+                    self.assertEqual(velocities.data.ptr,
+                                     world.velocities.__cuda_array_interface__["data"][0])
+                    self.assertNear(cupy.asnumpy(velocities)[CRATE], world.bodies["crate"].velocity, 1e-6)
+                    large = cupy.ones((4096, 4096), "f4")
+                    for _ in range(20):  # still under way when its result is scattered
+                        large = large @ large / 4096
+                    values = large[:1, :3] * cupy.array([3, 4, 5], "f4")
+                    world.scatter("velocity", cupy.array([CRATE], "i4"), values)
+                    values[:] = 0
+                    self.assertNear(world.bodies["crate"].velocity, (3, 4, 5), 1e-3)
+                    del velocities  # before its stream
 
 
 @unittest.skipIf(gym is None, "gymnasium is missing")

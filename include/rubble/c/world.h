@@ -118,7 +118,8 @@ RB_API rb_status rb_world_add_body_of(rb_world* world, rb_shape_id shape, const 
 RB_API rb_status rb_world_set_shape(rb_world* world, rb_body_id body, rb_shape_id shape);
 
 /// A read-only view of a state array (rb_state_array), with all edits applied. It is valid while
-/// rb_world_epoch() is unchanged.
+/// rb_world_epoch() is unchanged. Device memory can be read on the legacy default stream from the first call
+/// on: what the engine writes comes after the work so far of that stream, and before its later work.
 RB_API rb_status rb_world_array(const rb_world* world, int32_t which, rb_array* array);
 /// An rb_joint_array, rb_sensor_array or rb_vertex_array. Valid until the next call for the same array.
 RB_API rb_status rb_world_joint_array(const rb_world* world, int32_t which, rb_array* array);
@@ -137,8 +138,16 @@ RB_API rb_status rb_world_axes(rb_world* world, const rb_joint_id** joints, cons
 RB_API rb_status rb_world_scatter_joints(rb_world* world, int32_t which, const rb_array* rows,
                                          const rb_array* values);
 RB_API int64_t rb_world_epoch(const rb_world* world);
-/// The same array as a DLManagedTensor (DLPack 0.8). It keeps the world alive until its deleter is called.
+/// CUDA device that holds the arrays, and the stream on which the engine works, as rb_array::stream. -1 and
+/// 0: arrays are in host memory.
+RB_API rb_status rb_world_device(const rb_world* world, int32_t* device, uint64_t* stream);
+/// A state array as a DLManagedTensor (DLPack 0.8). It keeps the world alive until its deleter is called. It
+/// is read on the legacy default stream.
 RB_API rb_status rb_world_dlpack(rb_world* world, int32_t which, void** tensor);
+/// The same of any array of this world, for a reader on `stream` (as rb_array::stream). Later work of the
+/// stream waits for the engine. Until the deleter is called, what the engine writes waits for the work of the
+/// stream, which must exist until then. 0: the caller orders its work itself.
+RB_API rb_status rb_world_dlpack_of(rb_world* world, const rb_array* array, uint64_t stream, void** tensor);
 /// Calls the deleter of a DLManagedTensor that nobody took over.
 RB_API void rb_dlpack_delete(void* tensor);
 /// Sorts the bodies in memory along a space-filling curve, with the next step.

@@ -30,6 +30,10 @@ RB_API rb_status rb_worlds_set_params(rb_worlds* worlds, const char* json);
 /// A read-only copy of a state array (rb_state_array) of the bodies of all worlds. Valid until the next call
 /// for the same array.
 RB_API rb_status rb_worlds_array(const rb_worlds* worlds, int32_t which, rb_array* array);
+/// As rb_world_device(), and as rb_world_dlpack_of() of the arrays of this batch.
+RB_API rb_status rb_worlds_device(const rb_worlds* worlds, int32_t* device, uint64_t* stream);
+RB_API rb_status rb_worlds_dlpack_of(rb_worlds* worlds, const rb_array* array, uint64_t stream,
+                                     void** tensor);
 /// The rows of the bodies of a world in these arrays.
 RB_API rb_status rb_worlds_rows(rb_worlds* worlds, int32_t number, const int32_t** rows, int64_t* count);
 /// As rb_world_scatter(), with rows of rb_worlds_array().

@@ -201,7 +201,7 @@ def on_host(array: Any, of: Callable = lambda array: array) -> np.ndarray:
     if isinstance(array, np.ndarray):
         return of(array)
     import torch
-    return of(torch.as_tensor(array, device="cuda")).cpu().numpy()
+    return of(torch.from_dlpack(array)).cpu().numpy()
 
 
 def box(size: int, low: float = -np.inf, high: float = np.inf) -> spaces.Box:

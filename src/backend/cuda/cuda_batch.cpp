@@ -47,6 +47,7 @@ void CudaEngine::stepWorlds(StepReport& report, std::span<const char> paused) {
     bool& flag;
     ~Pausing() { flag = false; }
   } const pausing{host().view().pausing = hasPaused_};
+  const StreamOrder::Writing writing(mirror_.order());
   if (any)
     stepOthers(report);
   else
@@ -96,6 +97,7 @@ void CudaEngine::putWorlds(std::span<const int> worlds, std::span<const std::spa
     countBodies();
     return;
   }
+  const StreamOrder::Writing writing(mirror_.order());
   mirror_.flush();
   const auto countAll = [&](int change) {
     for (const int world : worlds) {

@@ -31,6 +31,7 @@ void CudaEngine::prepareConstants() {
 
 void CudaEngine::step(StepReport& report) {
   queries_.moved();
+  const StreamOrder::Writing writing(mirror_.order());
   nvtxRangePushA("rubble step");
   host().trees.update(host(), mirror_.treeChanges());
   host().view().bodiesMove = dynamicCount_ > 0;
@@ -78,6 +79,7 @@ const HostTables& CudaEngine::tablesNow() {
 
 void CudaEngine::sortBodies() {
   queries_.moved();
+  const StreamOrder::Writing writing(mirror_.order());
   prepareConstants();
   mirror_.flush();
   stepper_.sortBodies(host().view(), mirror_.oldPairs());

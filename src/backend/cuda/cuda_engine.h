@@ -7,13 +7,17 @@
 #include "backend/cuda/device_poses.h"
 #include "backend/cuda/device_queries.h"
 #include "backend/cuda/mirror.h"
+#include "backend/device_arrays.h"
 #include "tables/exclusions.h"
 #include "tables/host_queries.h"
 #include "tables/host_reader.h"
 
 namespace rubble::RUBBLE_CORE {
 
-class CudaEngine final : public ObservableEngine, public BatchEngine, private PoseCopies {
+class CudaEngine final : public ObservableEngine,
+                         public BatchEngine,
+                         private PoseCopies,
+                         private DeviceArrays {
  public:
   explicit CudaEngine(const CudaOptions& options) : stepper_(options) {}
 
@@ -57,6 +61,14 @@ class CudaEngine final : public ObservableEngine, public BatchEngine, private Po
   }
   bool reserve(const std::string& kind, int count) override {
     return reserveKind(stepper_.tables(), kind, count);
+  }
+
+  DeviceArrays* deviceArrays() override { return this; }
+  DeviceStream deviceStream() const override {
+    return {mirror_.order().device(), reinterpret_cast<std::uintptr_t>(stepper_.stream())};
+  }
+  std::shared_ptr<void> addReader(std::uintptr_t stream) override {
+    return mirror_.order().addReader(reinterpret_cast<cudaStream_t>(stream));
   }
 
   PoseCopies* poseCopies() override { return this; }

@@ -122,9 +122,15 @@ class StreamEvent {
   StreamEvent(const StreamEvent&) = delete;
   StreamEvent& operator=(const StreamEvent&) = delete;
   void record(cudaStream_t stream) const { checkCuda(cudaEventRecord(event_, stream), "cudaEventRecord"); }
+  bool tryRecord(cudaStream_t stream) const noexcept {
+    return cudaEventRecord(event_, stream) == cudaSuccess;
+  }
   /// Later work of the stream waits for the event.
   void holdBack(cudaStream_t stream) const {
     checkCuda(cudaStreamWaitEvent(stream, event_, 0), "cudaStreamWaitEvent");
+  }
+  bool tryHoldBack(cudaStream_t stream) const noexcept {
+    return cudaStreamWaitEvent(stream, event_, 0) == cudaSuccess;
   }
   void wait() const { checkCuda(cudaEventSynchronize(event_), "cudaEventSynchronize"); }
   bool passed() const {

@@ -1,6 +1,7 @@
 #include "backend/cuda/mirror.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace rubble::RUBBLE_CORE {
@@ -19,6 +20,7 @@ void Mirror::mark(int slot, std::uint8_t bits) {
   std::uint8_t& b = bits_[static_cast<std::size_t>(slot)];
   if (b == 0) touched_.push_back(slot);
   b |= bits;
+  edited_ |= (bits & (kBody | kState | kForce | kVelocityEdited)) != 0;
   if (bits & (kBody | kState)) b = static_cast<std::uint8_t>((b | kKnown) & ~kVelocityEdited);
   if (bits & kForce) b |= kPushed;
 }
@@ -40,6 +42,7 @@ void Mirror::bodiesAdded(int before) {
 }
 
 void Mirror::verticesWritten(int first, int count) {
+  edited_ = true;
   for (int v = first; v < first + count; ++v) {
     movedVertices_.push_back(v);
     if (host_.view().vertexParams[v].kind == VertexKind::Dynamic) dynamicVertices_.push_back(v);
@@ -159,6 +162,9 @@ void Mirror::reserveDevice() {
 }
 
 void Mirror::flush() {
+  std::optional<StreamOrder::Writing> writing;
+  if (edited_ || allDirty_) writing.emplace(order_);
+  edited_ = false;
   reserveDevice();
   // as many old rolling rows as old manifolds, also in the first step with such materials
   if (host_.view().rolls)

@@ -10,6 +10,7 @@
 #include "backend/cuda/device_joint_rows.h"
 #include "backend/cuda/device_snapshot.h"
 #include "backend/cuda/packet.h"
+#include "backend/cuda/stream_order.h"
 #include "backend/cuda/world_splice.h"
 #include "tables/table_edit.h"
 #include "tables/world_state.h"
@@ -21,6 +22,8 @@ class Mirror {
   explicit Mirror(CudaStepper& stepper) : stepper_(stepper) {}
 
   HostTables& host() { return host_; }
+  StreamOrder& order() { return order_; }
+  const StreamOrder& order() const { return order_; }
   const HostTables& host() const { return host_; }
 
   // Notifications that an edit wrote host tables.
@@ -81,16 +84,14 @@ class Mirror {
   // Rows of joints, and sensors.
   void setJointRows(const JointRows& rows) { jointRows_.set(rows, stepper_.stream()); }
   ArrayView array(JointArray which) {
-    flush();
-    return jointRows_.view(present(), which, stepper_.stream());
+    return filled([&] { return jointRows_.view(present(), which, stepper_.stream()); });
   }
   ArrayView array(SensorArray which) {
-    flush();
-    return jointRows_.view(present(), which, host_.bodyIds, oldPairs(), stepper_.stream());
+    return filled(
+        [&] { return jointRows_.view(present(), which, host_.bodyIds, oldPairs(), stepper_.stream()); });
   }
   ArrayView contactForces(std::span<const std::array<int, 2>> pairs) {
-    flush();
-    return jointRows_.contactForces(present(), pairs, stepper_.stream());
+    return filled([&] { return jointRows_.contactForces(present(), pairs, stepper_.stream()); });
   }
   void scatter(JointArray which, const ArrayView& rows, const ArrayView& values);
   /// Updates the arrays by id after a step.
@@ -159,8 +160,17 @@ class Mirror {
   void noteForces();
   /// The tables of the device with the sizes of the host.
   SolverData present() { return onDevice(host_.view(), stepper_.tables().view()); }
-  /// A view of memory of the device.
-  ArrayView inDeviceMemory(ArrayView view) const;
+  /// A view of memory of the device, which readers may have.
+  ArrayView handOut(ArrayView view);
+  /// A view of memory that fill() writes and returns.
+  template <class Fill> ArrayView filled(const Fill& fill) {
+    flush();
+    const auto write = [&] {
+      const StreamOrder::Writing writing(order_);
+      return fill();
+    };
+    return handOut(write());
+  }
   /// Calls write(rows, values) with both in device memory, in the order of their streams.
   template <class Write> void withValues(const ArrayView& rows, const ArrayView& values, const Write& write);
   /// A scatter has changed states on the device.
@@ -209,6 +219,7 @@ class Mirror {
   DeviceBuffer counts_;
   Pinned<ContactCounts> total_;
   bool allDirty_ = true;  ///< the device has no data yet
+  bool edited_ = false;   ///< pending edits change arrays that readers may have
   bool resendPaused_ = false;
   bool targetsOnDevice_ = false;  ///< targets of drives on the device are newer
   bool statesOld_ = false, verticesOld_ = false, restOld_ = false;
@@ -218,8 +229,7 @@ class Mirror {
   Pinned<BodyMotionState> fetched_;
   ArraysById<DeviceBuffer> byId_;
   DeviceJointRows jointRows_;
-  /// orders the streams of a caller of scatter() and of this engine
-  StreamEvent handed_;
+  StreamOrder order_{stepper_.stream()};
 };
 
 /// The arrays of BodyState, and those derived from them.

@@ -120,25 +120,23 @@ void Mirror::bodiesSorted() {
   s.ordered = inOtherOrder(s);
 }
 
-ArrayView Mirror::inDeviceMemory(ArrayView view) const {
+ArrayView Mirror::handOut(ArrayView view) {
+  order_.handOut();
   view.device = true;
   view.stream = reinterpret_cast<std::uintptr_t>(stepper_.stream());
   return view;
 }
 
 ArrayView Mirror::array(StateArray which) {
-  flush();
   const SolverData& device = stepper_.tables().view();
-  const int bodies = host_.bodyIds;
-  return inDeviceMemory(host_.view().ordered ? byId_.view(which, device, bodies, gather())
-                                             : withStateArray(which, [&](auto member) {
-                                                 return rowsOf(device.*member, bodies);
-                                               }));
+  if (host_.view().ordered) return filled([&] { return byId_.view(which, device, host_.bodyIds, gather()); });
+  flush();
+  return handOut(withStateArray(which, [&](auto member) { return rowsOf(device.*member, host_.bodyIds); }));
 }
 
 ArrayView Mirror::array(VertexArray which) {
   flush();
-  return inDeviceMemory(rowsOf(which, present()));
+  return handOut(rowsOf(which, present()));
 }
 
 void Mirror::followArrays() {
@@ -174,6 +172,7 @@ std::shared_ptr<const DeviceSnapshot> Mirror::snapshot(double previousDt) {
 }
 
 void Mirror::restore(const DeviceSnapshot& snapshot) {
+  const StreamOrder::Writing writing(order_);
   SolverData& s = host_.view();
   for (const int slot : touched_) s.force[slot] = s.torque[slot] = {0, 0, 0};
   const bool sameAuthored = authored_ == snapshot.authored;

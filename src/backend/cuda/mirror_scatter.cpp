@@ -10,17 +10,11 @@ void Mirror::withValues(const ArrayView& rows, const ArrayView& values, const Wr
   const cudaStream_t stream = stepper_.stream();
   if (values.device) {
     // ordered after the caller's earlier work and before its later work
-    const auto order = [&](std::uintptr_t handle, cudaStream_t first, cudaStream_t then) {
-      if (handle == 0) return;
-      handed_.record(first);
-      handed_.holdBack(then);
-    };
-    const auto handle = [](const ArrayView& view) { return reinterpret_cast<cudaStream_t>(view.stream); };
-    order(rows.stream, handle(rows), stream);
-    order(values.stream, handle(values), stream);
+    order_.follow(values.stream);
+    if (rows.stream != values.stream) order_.follow(rows.stream);
     write(rows, values);
-    order(rows.stream, stream, handle(rows));
-    order(values.stream, stream, handle(values));
+    order_.lead(values.stream);
+    if (rows.stream != values.stream) order_.lead(rows.stream);
     return;
   }
   const auto bytes = [](const ArrayView& view, int numbers) {
@@ -39,6 +33,7 @@ void Mirror::withValues(const ArrayView& rows, const ArrayView& values, const Wr
 }
 
 void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
+  const StreamOrder::Writing writing(order_);
   flush();
   withValues(rows, values, [&](const ArrayView& rowsThere, const ArrayView& valuesThere) {
     scatterStateRows(stepper_.stream(), present(), ScatterRows(which, rowsThere, valuesThere),
@@ -49,6 +44,7 @@ void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& v
 }
 
 void Mirror::scatter(JointArray which, const ArrayView& rows, const ArrayView& values) {
+  const StreamOrder::Writing writing(order_);
   flush();
   withValues(rows, values, [&](const ArrayView& rowsThere, const ArrayView& valuesThere) {
     jointRows_.scatter(present(), which, rowsThere, valuesThere, stepper_.stream());

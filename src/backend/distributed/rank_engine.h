@@ -59,6 +59,7 @@ class RankEngine final : public ObservableEngine {
   EngineAllHits allHits(const EngineQueries& asked) override { return own().allHits(asked); }
   ArrayView array(StateArray which) override { return own().array(which); }
   ArrayView array(VertexArray which) override { return own().array(which); }
+  DeviceArrays* deviceArrays() override { return own().deviceArrays(); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     guarded([&] { own().scatter(which, rows, values); });
   }

@@ -79,6 +79,7 @@ class RankTeam final : public Engine {
   ArrayView array(VertexArray which) override {
     return first([&](RankEngine& e) { return e.array(which); });
   }
+  DeviceArrays* deviceArrays() override { return ranks_.front()->deviceArrays(); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     each([&](Engine& e) { e.scatter(which, rows, values); });
   }

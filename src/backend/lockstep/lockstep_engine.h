@@ -64,6 +64,7 @@ class LockstepEngine final : public Engine, public BatchEngine {
   ArrayView array(JointArray which) override { return a_.engine->array(which); }
   ArrayView array(SensorArray which) override { return a_.engine->array(which); }
   ArrayView array(VertexArray which) override { return a_.engine->array(which); }
+  DeviceArrays* deviceArrays() override { return a_.engine->deviceArrays(); }
   ArrayView contactForces(std::span<const std::array<int, 2>> pairs) override {
     return a_.engine->contactForces(pairs);
   }
