@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <rubble/world.h>
@@ -48,6 +49,15 @@ class Worlds {
 
   const Params& params() const;
   void setParams(const Params& params);
+
+  // Domain randomization: authored values of single worlds.
+  /// Sets a value in each of these worlds, from the next step on. Paths have the names and keys of scene
+  /// files (docs/worlds.md): "gravity", "bodies.pole.mass", "joints.hip.axes.0.drive_stiffness",
+  /// "bodies[\"a.b\"].mass". World worlds[k] receives as many numbers as a value has, world after world. All
+  /// worlds are checked first: an Error, which names the world, changes nothing.
+  void setValues(const std::string& path, std::span<const int> worlds, std::span<const double> values);
+  /// The present values, world after world.
+  std::vector<double> values(const std::string& path, std::span<const int> worlds) const;
 
   /// State of the bodies of all worlds, one row per body. Body k of world w has the row rowsOf(w)[k], which
   /// is firstRow(w) + k unless bodies were added to a world after others had been made. Worlds of one scene

@@ -470,6 +470,7 @@ FUNCTIONS = {
     "rb_actuators_create_in": (c_int, [c_void_p, c_void_p, c_int32, c_int32, c_void_p]),
     "rb_actuators_apply_in": (c_int, [c_void_p, c_void_p]),
     "rb_worlds_set_values": (c_int, [c_void_p, c_char_p, c_void_p, c_int64, c_void_p, c_int32]),
+    "rb_worlds_values": (c_int, [c_void_p, c_char_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_worlds_memory_bytes": (c_int64, [c_void_p]),
     "rb_recorder_create": (c_int, [c_void_p, c_char_p, c_char_p, c_double, c_void_p]),
     "rb_recorder_write": (c_int, [c_void_p, c_void_p]),

@@ -42,6 +42,8 @@ struct Worlds::Impl {
     if (world < 0 || world >= count())
       throw Error("world", "a number below " + std::to_string(count()), std::to_string(world));
   }
+  /// Throws Error unless all of them are there and differ.
+  void requireDistinct(std::span<const int> some) const;
   Batch& batchOf(int world) { return *batches[static_cast<std::size_t>(world / perBatch)]; }
   static World::Impl& of(const World& world) { return *world.impl_; }
   World::Impl& at(int world) { return *worlds[static_cast<std::size_t>(world)].impl_; }

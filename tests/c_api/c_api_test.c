@@ -308,7 +308,8 @@ static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
   rb_ray ray;
   rb_hit hit;
   const int32_t row = 1, second = 1;
-  const double force = 5, mass = 3;
+  const double force = 5, mass = 3, *found = NULL;
+  int64_t count = 0;
   int32_t first = 0;
   CHECK(rb_scene_build("cart-pole", "{\"lean\": 0.1}", &scene) == RB_OK);
   CHECK(rb_worlds_create("{\"threads\": 1}", &worlds) == RB_OK);
@@ -326,6 +327,8 @@ static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
   CHECK(rb_worlds_scatter_joints(worlds, RB_JOINT_APPLIED_FORCE, &rows, &values) == RB_OK);
   CHECK(rb_worlds_set_values(worlds, "bodies.pole.mass", &second, 1, &mass, 1) == RB_OK);
   CHECK(rb_worlds_set_values(worlds, "bodies.pole.weight", &second, 1, &mass, 1) == RB_INVALID);
+  CHECK(rb_worlds_values(worlds, "bodies.pole.mass", &second, 1, &found, &count) == RB_OK);
+  CHECK(count == 1 && found[0] == mass);
   ray = (rb_ray){{0, 0, -5}, {0, 0, 1}, 50, RB_FILTER_ALL};
   CHECK(rb_worlds_cast_rays(worlds, &second, &ray, 1, &hit) == RB_OK && hit.hit == 1);
   rb_worlds_destroy(worlds);

@@ -143,6 +143,31 @@ class ManyWorlds(Case):
         self.assertEqual(heights[0], 2)
         self.assertEqual(heights[1], heights[2])
 
+    def test_values_of_all_kinds_are_set_and_read(self):
+        scene = crate_scene(name="left.crate", material={"friction": 0.5, "name": "wood"})
+        scene.add_deformable(rubble.straight_cable((3, 0, 4), (4, 0, 4), 4), name="rope")
+        worlds = rubble.Worlds(scene, 3, threads=1)
+        mask = np.array([True, False, True])
+        for key, values in (("gravity", [(0, 0, -1), (0, 1, 0)]), ('bodies["left.crate"].mass', [3, 4]),
+                            ("bodies[1].material.friction", [0.25, 0.75]), ("materials.wood.restitution", [0, 1]),
+                            ("deformables.rope.density", [500, 700])):
+            with self.subTest(key):
+                before = worlds.values(key, [1])
+                worlds.set_values(key, values, worlds=mask)
+                self.assertNear(worlds.values(key, mask), values)
+                self.assertNear(worlds.values(key)[1], before[0])
+        worlds.set_values('bodies["left.crate"].position', [(1, 2, 3)], worlds=[2])
+        self.assertNear(worlds[2].bodies["left.crate"].position, (1, 2, 3), 1e-6)
+
+    def test_values_change_in_all_worlds_or_in_none(self):
+        worlds = crates(3)
+        error = self.assertInvalid("worlds[2].body.mass",
+                                   lambda: worlds.set_values("bodies.crate.mass", [1, 2, -3]))
+        self.assertEqual(error.found, "-3")
+        self.assertNear(worlds.values("bodies.crate.mass"), [2, 2, 2])
+        self.assertInvalid("path", lambda: worlds.set_values("dt", [1, 2, 3]))
+        self.assertInvalid("values", lambda: worlds.set_values("gravity", [1, 2]))
+
     def test_worlds_differ_and_outlive_their_batch(self):
         worlds = crates(1)
         self.assertEqual(worlds.add(rubble.Scene(gravity=(0, 0, 0)), 2), 1)

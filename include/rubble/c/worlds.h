@@ -59,11 +59,18 @@ RB_API rb_status rb_actuators_create_in(const rb_scene* scene, rb_worlds* worlds
 /// As rb_actuators_apply(), in the worlds whose element of `active` (one for each of the batch, or null: all)
 /// is not 0.
 RB_API rb_status rb_actuators_apply_in(rb_actuators* actuators, const uint8_t* active);
-/// Sets an authored value in many worlds. `key`: "gravity", or "bodies.NAME.KEY" or "joints.NAME.KEY" with
-/// keys of scene files: "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness". World
-/// numbers[k] receives values[k * width] to values[k * width + width - 1], a number if width is 1.
+/// Sets an authored value in `count` distinct worlds. `key`: a list, a name and keys of scene files:
+/// "gravity", "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness",
+/// "deformables.rope.density", "attachments.tip.stiffness", "actuators.motor.gain", "materials.ice.friction",
+/// "material_pairs.ice.steel.friction". A name with a dot is in brackets and quotes: "bodies[\"a.b\"].mass";
+/// a number in brackets is a place among those alive: "bodies[3].mass". World numbers[k] receives
+/// values[k * width] to values[k * width + width - 1]. All worlds are checked first: an error changes
+/// nothing.
 RB_API rb_status rb_worlds_set_values(rb_worlds* worlds, const char* key, const int32_t* numbers,
                                       int64_t count, const double* values, int32_t width);
+/// The present values, world after world. Valid until the next call.
+RB_API rb_status rb_worlds_values(rb_worlds* worlds, const char* key, const int32_t* numbers, int64_t count,
+                                  const double** values, int64_t* value_count);
 /// Memory of the tables of the engine [bytes].
 RB_API int64_t rb_worlds_memory_bytes(const rb_worlds* worlds);
 
