@@ -1,5 +1,7 @@
 #include <rubble/c/worlds.h>
 
+#include <algorithm>
+
 #include <rubble/worlds.h>
 
 #include "c_api/handles.h"
@@ -165,6 +167,36 @@ rb_status rb_worlds_values(rb_worlds* worlds, const char* key, const int32_t* nu
   return guarded([&] {
     worlds->values = worldsOf(worlds).values(textOr(key, ""), numbersOf(numbers, count));
     give(worlds->values, values, value_count);
+  });
+}
+
+rb_status rb_worlds_set_seed(rb_worlds* worlds, uint64_t seed, const int32_t* numbers, int64_t count) {
+  return guarded([&] {
+    if (!numbers) return worldsOf(worlds).setSeed(seed);
+    worldsOf(worlds).setSeed(seed, numbersOf(numbers, count));
+  });
+}
+
+rb_status rb_worlds_random_state(const rb_worlds* worlds, int32_t number, uint64_t* seed, int64_t* episode,
+                                 int64_t* drawn) {
+  return guarded([&] {
+    const RandomState state = worldsOf(worlds).randomState(number);
+    if (seed) *seed = state.seed;
+    if (episode) *episode = state.episode;
+    if (drawn) *drawn = state.drawn;
+  });
+}
+
+rb_status rb_worlds_set_random_state(rb_worlds* worlds, int32_t number, uint64_t seed, int64_t episode,
+                                     int64_t drawn) {
+  return guarded([&] { worldsOf(worlds).setRandomState(number, {seed, episode, drawn}); });
+}
+
+rb_status rb_worlds_uniform(rb_worlds* worlds, const int32_t* numbers, int64_t count, int32_t each,
+                            double low, double high, double* values) {
+  return guarded([&] {
+    const std::vector<double> drawn = worldsOf(worlds).uniform(numbersOf(numbers, count), each, low, high);
+    if (!drawn.empty()) std::ranges::copy(drawn, &need(values, "values"));
   });
 }
 

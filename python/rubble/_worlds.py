@@ -104,6 +104,8 @@ class Worlds:
         Args:
             worlds: Numbers, or a mask of shape (worlds,) of booleans.
             snapshots: One, or as many as worlds, of any worlds of this batch.
+
+        Each of these worlds begins the next episode of its random numbers (`uniform`).
         """
         numbers = self._numbers(worlds)
         given = [snapshots] if isinstance(snapshots, Snapshot) else list(snapshots)
@@ -240,6 +242,48 @@ class Worlds:
             return np.empty(0)
         found = np.frombuffer(ctypes.string_at(address, 8 * count.value))
         return found if len(found) == len(numbers) else found.reshape(len(numbers), -1)
+
+    def set_seed(self, seed: int, worlds: Any = None) -> None:
+        """Gives each world random numbers of its own, made of `seed` and its number, and begins with their
+        episode 0. Worlds begin with a seed of 0.
+
+        Args:
+            worlds: Numbers, or a mask of shape (worlds,). None: all, and those that are added later.
+        """
+        numbers = None if worlds is None else self._numbers(worlds)
+        check(lib.rb_worlds_set_seed(self._handle.pointer, seed & 0xFFFFFFFFFFFFFFFF,
+                                     None if numbers is None else numbers.ctypes.data,
+                                     0 if numbers is None else len(numbers)))
+
+    def uniform(self, worlds: Any = None, count: int = 1, low: float = 0, high: float = 1) -> np.ndarray:
+        """The next `count` random numbers of worlds, from `low` to below `high`.
+
+        Number k of an episode of a world is a hash of its seed, the episode and k. Draws and resets of other
+        worlds have no effect on it. `reset` begins the next episode of a world.
+
+        Args:
+            worlds: n numbers, or a mask of shape (worlds,). None: all.
+        Returns:
+            (n, count) numbers.
+        """
+        numbers = self._numbers(worlds)
+        drawn = np.empty((len(numbers), max(count, 0)))
+        check(lib.rb_worlds_uniform(self._handle.pointer, numbers.ctypes.data, len(numbers), count, low, high,
+                                    drawn.ctypes.data))
+        return drawn
+
+    def random_state(self, world: int) -> tuple[int, int, int]:
+        """Where the random numbers of a world stand: its seed, its resets since the seed was set, and the
+        numbers drawn since the last of these."""
+        seed, episode, drawn = ctypes.c_uint64(), ctypes.c_int64(), ctypes.c_int64()
+        check(lib.rb_worlds_random_state(self._handle.pointer, world, ctypes.byref(seed),
+                                         ctypes.byref(episode), ctypes.byref(drawn)))
+        return seed.value, episode.value, drawn.value
+
+    def set_random_state(self, world: int, state: Sequence[int]) -> None:
+        """Continues the random numbers of a world from a `random_state`, of any world."""
+        seed, episode, drawn = state
+        check(lib.rb_worlds_set_random_state(self._handle.pointer, world, seed, episode, drawn))
 
     def _numbers(self, worlds: Any) -> np.ndarray:
         """Numbers of worlds, of those of a mask, or of all."""

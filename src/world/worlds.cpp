@@ -105,6 +105,7 @@ int Worlds::addCopies(const Scene& scene, int count) {
     world->cooked = impl_->cooked, world->inBatch = true;
     World::Impl& built = *world;
     impl_->worlds.push_back(World(std::move(world)));
+    impl_->random.push_back(Impl::firstRandomState(impl_->seed, first + k));
     built.build(scene);
   }
   return first;
@@ -179,6 +180,8 @@ void Worlds::reset(std::span<const int> worlds, std::span<const Snapshot> snapsh
   for (std::size_t k = 0; k < worlds.size(); ++k) {
     Registry registry = snapshotOf(k).data->registry;
     impl_->at(worlds[k]).restoreRecords(std::move(registry), snapshotOf(k).data->params);
+    RandomState& random = impl_->random[static_cast<std::size_t>(worlds[k])];
+    ++random.episode, random.drawn = 0;
   }
   impl_->forEachBatch([&](std::size_t k) {
     if (!changes[k].worlds.empty()) impl_->batches[k]->restore(changes[k].worlds, changes[k].states);

@@ -309,7 +309,10 @@ static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
   rb_hit hit;
   const int32_t row = 1, second = 1;
   const double force = 5, mass = 3, *found = NULL;
-  int64_t count = 0;
+  double drawn[2], again = 0;
+  const int32_t third = 2;
+  int64_t count = 0, episode = 0, at = 0;
+  uint64_t seed = 0;
   int32_t first = 0;
   CHECK(rb_scene_build("cart-pole", "{\"lean\": 0.1}", &scene) == RB_OK);
   CHECK(rb_worlds_create("{\"threads\": 1}", &worlds) == RB_OK);
@@ -329,6 +332,11 @@ static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
   CHECK(rb_worlds_set_values(worlds, "bodies.pole.weight", &second, 1, &mass, 1) == RB_INVALID);
   CHECK(rb_worlds_values(worlds, "bodies.pole.mass", &second, 1, &found, &count) == RB_OK);
   CHECK(count == 1 && found[0] == mass);
+  CHECK(rb_worlds_set_seed(worlds, 4, NULL, 0) == RB_OK);
+  CHECK(rb_worlds_uniform(worlds, &second, 1, 2, 0, 1, drawn) == RB_OK);
+  CHECK(rb_worlds_random_state(worlds, 1, &seed, &episode, &at) == RB_OK && episode == 0 && at == 2);
+  CHECK(rb_worlds_set_random_state(worlds, 2, seed, 0, 1) == RB_OK);
+  CHECK(rb_worlds_uniform(worlds, &third, 1, 1, 0, 1, &again) == RB_OK && again == drawn[1]);
   ray = (rb_ray){{0, 0, -5}, {0, 0, 1}, 50, RB_FILTER_ALL};
   CHECK(rb_worlds_cast_rays(worlds, &second, &ray, 1, &hit) == RB_OK && hit.hit == 1);
   rb_worlds_destroy(worlds);

@@ -168,6 +168,21 @@ class ManyWorlds(Case):
         self.assertInvalid("path", lambda: worlds.set_values("dt", [1, 2, 3]))
         self.assertInvalid("values", lambda: worlds.set_values("gravity", [1, 2]))
 
+    def test_random_numbers_of_a_world_are_its_own(self):
+        few, many = crates(2), crates(9)
+        few.set_seed(3), many.set_seed(3)
+        first = few.uniform([1], 4)
+        np.testing.assert_array_equal(first, many.uniform([5, 1], 4)[1:])
+        self.assertEqual(few.uniform(count=2, low=5, high=6).shape, (2, 2))
+        start, other = few[0].snapshot(), many[0].snapshot()
+        few.reset([0, 1], start), many.reset([1], other), many.reset([4], other)
+        np.testing.assert_array_equal(few.uniform([1], 3), many.uniform([1], 3))
+        self.assertEqual(few.random_state(1)[1:], (1, 3))
+        many.set_random_state(7, few.random_state(1))
+        np.testing.assert_array_equal(few.uniform([1], 3), many.uniform([7], 3))
+        few.set_seed(3, [1])
+        np.testing.assert_array_equal(few.uniform([1], 4), first)
+
     def test_worlds_differ_and_outlive_their_batch(self):
         worlds = crates(1)
         self.assertEqual(worlds.add(rubble.Scene(gravity=(0, 0, 0)), 2), 1)

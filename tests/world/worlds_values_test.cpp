@@ -1,4 +1,4 @@
-/// Authored values of worlds.
+/// Authored values and random numbers of worlds.
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -216,6 +216,50 @@ TEST(Values, APathThatNamesNothingIsAnError) {
   expectPath("worlds[0].material", set("materials.ice.friction"));
   expectPath("worlds[0].material_pairs", set("material_pairs.wood.ice.friction"));
   expectPath("worlds[0].values", [&] { worlds.setValues("bodies.pole.mass", one, three); });
+}
+
+TEST(RandomNumbers, OfAWorldDependOnItsSeedItsEpisodeAndTheirNumber) {
+  Worlds few(worldsOptions()), many(worldsOptions());
+  few.addCopies(test::tower(1), 2), many.setSeed(5), many.addCopies(test::tower(1), 40);
+  few.setSeed(5);
+  const std::vector<int> one{1}, two{0, 1}, thirty{30, 1};
+  const std::vector<double> first = few.uniform(one, 3);
+  const std::vector<double> both = many.uniform(thirty, 3);
+  EXPECT_EQ(first, std::vector<double>(both.begin() + 3, both.end()));
+  EXPECT_NE(first, std::vector<double>(both.begin(), both.begin() + 3));
+  EXPECT_NE(few.uniform(one, 3), first) << "the next ones";
+  // resets of one world are its own
+  const Snapshot start = few[0].snapshot(), other = many[0].snapshot();
+  few.reset(two, {&start, 1}), many.reset(one, {&other, 1}), many.reset(std::vector<int>{7}, {&other, 1});
+  const std::vector<double> second = few.uniform(one, 5, -2, 4);
+  EXPECT_EQ(second, many.uniform(one, 5, -2, 4));
+  for (const double x : second) EXPECT_TRUE(x >= -2 && x < 4);
+  const RandomState state = few.randomState(1);
+  EXPECT_EQ(state.episode, 1);
+  EXPECT_EQ(state.drawn, 5);
+  many.setRandomState(30, state);
+  EXPECT_EQ(many.uniform({thirty.data(), 1}, 4), few.uniform(one, 4));
+  few.setSeed(5, one);
+  EXPECT_EQ(few.uniform(one, 3), first);
+}
+
+TEST(RandomNumbers, AreSpreadEvenly) {
+  Worlds worlds(worldsOptions());
+  worlds.addCopies(test::tower(1), 64);
+  const std::vector<double> numbers = worlds.uniform(allOf(worlds), 1000);
+  std::array<int, 10> bins{};
+  for (const double x : numbers) ++bins[static_cast<std::size_t>(x * 10)];
+  for (const int count : bins) EXPECT_NEAR(count, 6400, 5 * std::sqrt(6400 * 0.9));
+}
+
+TEST(RandomNumbers, NameWhatIsInvalid) {
+  Worlds worlds(worldsOptions());
+  worlds.addCopies(test::tower(1), 2);
+  const std::vector<int> one{0}, beyond{2};
+  expectPath("world", [&] { worlds.uniform(beyond, 1); });
+  expectPath("count", [&] { worlds.uniform(one, -1); });
+  expectPath("high", [&] { worlds.uniform(one, 1, 1, 0); });
+  expectPath("state.drawn", [&] { worlds.setRandomState(0, {1, 0, -1}); });
 }
 
 }  // namespace

@@ -71,6 +71,19 @@ RB_API rb_status rb_worlds_set_values(rb_worlds* worlds, const char* key, const 
 /// The present values, world after world. Valid until the next call.
 RB_API rb_status rb_worlds_values(rb_worlds* worlds, const char* key, const int32_t* numbers, int64_t count,
                                   const double** values, int64_t* value_count);
+/// Gives each of these worlds a seed made of `seed` and its number, and begins with episode 0 of its random
+/// numbers. `numbers` null: all worlds, and those that are added later.
+RB_API rb_status rb_worlds_set_seed(rb_worlds* worlds, uint64_t seed, const int32_t* numbers, int64_t count);
+/// Where the random numbers of a world stand: its seed, its resets since the seed was set, and the numbers
+/// drawn since the last of these.
+RB_API rb_status rb_worlds_random_state(const rb_worlds* worlds, int32_t number, uint64_t* seed,
+                                        int64_t* episode, int64_t* drawn);
+RB_API rb_status rb_worlds_set_random_state(rb_worlds* worlds, int32_t number, uint64_t seed, int64_t episode,
+                                            int64_t drawn);
+/// Writes the next `each` random numbers of `count` distinct worlds, uniform from `low` to below `high`,
+/// world after world.
+RB_API rb_status rb_worlds_uniform(rb_worlds* worlds, const int32_t* numbers, int64_t count, int32_t each,
+                                   double low, double high, double* values);
 /// Memory of the tables of the engine [bytes].
 RB_API int64_t rb_worlds_memory_bytes(const rb_worlds* worlds);
 
