@@ -118,6 +118,7 @@ class Worlds {
 
  private:
   friend class Actuators;
+  friend class Sensors;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -469,6 +469,8 @@ FUNCTIONS = {
     "rb_worlds_cast_rays": (c_int, [c_void_p, c_void_p, c_void_p, c_int64, c_void_p]),
     "rb_actuators_create_in": (c_int, [c_void_p, c_void_p, c_int32, c_int32, c_void_p]),
     "rb_actuators_apply_in": (c_int, [c_void_p, c_void_p]),
+    "rb_sensors_create_in": (c_int, [c_void_p, c_void_p, c_int32, c_int32, c_void_p]),
+    "rb_sensors_update_in": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "rb_worlds_set_values": (c_int, [c_void_p, c_char_p, c_void_p, c_int64, c_void_p, c_int32]),
     "rb_worlds_values": (c_int, [c_void_p, c_char_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_worlds_set_seed": (c_int, [c_void_p, c_uint64, c_void_p, c_int64]),

@@ -301,6 +301,31 @@ static void aRegistrySceneIsJudged(void) {
   rb_run_destroy(run);
 }
 
+static void sensorsOfASceneMeasureManyWorlds(void) {
+  const char* const kSensor = "{\"type\": \"position\", \"body\": \"crate\"}";
+  const char* const kBody = "{\"name\": \"crate\", \"shape\": {\"type\": \"sphere\", \"radius\": 1}}";
+  const double place[3] = {1, 2, 3}, *values = NULL;
+  const uint8_t active[2] = {0, 1};
+  const int32_t second = 1;
+  int64_t count = 0;
+  rb_scene* scene = NULL;
+  rb_worlds* worlds = NULL;
+  rb_sensors* sensors = NULL;
+  CHECK(rb_scene_create(&scene) == RB_OK);
+  CHECK(rb_scene_add(scene, "bodies", kBody, NULL) == RB_OK);
+  CHECK(rb_scene_add(scene, "sensors", kSensor, NULL) == RB_OK);
+  CHECK(rb_worlds_create("{\"threads\": 1}", &worlds) == RB_OK);
+  CHECK(rb_worlds_add(worlds, scene, 2, NULL) == RB_OK);
+  CHECK(rb_sensors_create_in(scene, worlds, 0, 3, &sensors) == RB_INVALID);
+  CHECK(rb_sensors_create_in(scene, worlds, 0, -1, &sensors) == RB_OK);
+  CHECK(rb_worlds_set_values(worlds, "bodies.crate.position", &second, 1, place, 3) == RB_OK);
+  CHECK(rb_sensors_update_in(sensors, active, &values, &count) == RB_OK && count == 6);
+  CHECK(values[0] == 0 && values[3] == 1 && values[5] == 3);
+  rb_sensors_destroy(sensors);
+  rb_worlds_destroy(worlds);
+  rb_scene_destroy(scene);
+}
+
 static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
   rb_scene* scene = NULL;
   rb_worlds* worlds = NULL;
@@ -348,6 +373,7 @@ int main(void) {
   anInvalidBodyIsNamedAndLeavesTheSceneAsItWas();
   aWorldOfManyStaysWhereItIsLeftOut();
   arraysOfJointsAndSensorsHaveRowsOfAllWorlds();
+  sensorsOfASceneMeasureManyWorlds();
   noCallDiesOfANullPointer();
   aCrateFallsAndRests();
   aSnapshotContinuesBitForBit();

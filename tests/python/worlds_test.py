@@ -183,6 +183,37 @@ class ManyWorlds(Case):
         few.set_seed(3, [1])
         np.testing.assert_array_equal(few.uniform([1], 4), first)
 
+    def test_sensors_of_a_scene_have_the_readings_of_each_world(self):
+        scene = crate_scene()
+        scene.add_joint("hinge", "crate", anchor=(1, 0, 2), axis=(0, 1, 0))
+        scene.add_body(rubble.sphere(0.5), name="ball", position=(5, 0, 0.5))
+        for kind in ("acceleration", "angular_rate", "position", "range"):
+            scene.add_sensor(kind, body="crate", name=kind)
+        scene.add_sensor("force", body="crate", joint=0)
+        scene.add_sensor("touch", body="ball", name="foot", volume=rubble.sphere(0.6))
+        worlds = rubble.Worlds(scene, 3, threads=1)
+        alone = [rubble.World(scene, threads=1) for _ in range(3)]
+        for w, world in enumerate(alone):
+            for own in (world, worlds[w]):
+                own.bodies["crate"].velocity = (0, 0, w)
+        sensors, single = rubble.Sensors(scene, worlds), [rubble.Sensors(scene, world) for world in alone]
+        for _ in range(5):
+            worlds.step()
+            sensors.update()
+            for world, own in zip(alone, single):
+                world.step()
+                own.update()
+        np.testing.assert_array_equal(sensors.values, [own.values for own in single])
+        self.assertEqual(sensors["position"].shape, (3, 3))
+        self.assertEqual(sensors.of_type("touch").shape, (3, 1, 1))
+        self.assertGreater(sensors["foot"].min(), 1)
+        before = sensors.values
+        worlds.step()
+        sensors.update(active=[False, True, False])
+        self.assertEqual([(a == b).all() for a, b in zip(before, sensors.values)], [True, False, True])
+        self.assertInvalid("active", lambda: sensors.update(active=[True]))
+        self.assertInvalid("type", lambda: sensors.of_type("velocity"))
+
     def test_worlds_differ_and_outlive_their_batch(self):
         worlds = crates(1)
         self.assertEqual(worlds.add(rubble.Scene(gravity=(0, 0, 0)), 2), 1)

@@ -59,6 +59,14 @@ RB_API rb_status rb_actuators_create_in(const rb_scene* scene, rb_worlds* worlds
 /// As rb_actuators_apply(), in the worlds whose element of `active` (one for each of the batch, or null: all)
 /// is not 0.
 RB_API rb_status rb_actuators_apply_in(rb_actuators* actuators, const uint8_t* active);
+/// As rb_sensors_create(), in `count` worlds of that scene from world `first` on; -1: up to the last one. The
+/// numbers of rb_sensors_update() are those of all sensors of the first world, then those of the next one.
+RB_API rb_status rb_sensors_create_in(const rb_scene* scene, rb_worlds* worlds, int32_t first, int32_t count,
+                                      rb_sensors** sensors);
+/// As rb_sensors_update(), in the worlds whose element of `active` (one for each of the batch, or null: all)
+/// is not 0. The others keep their readings.
+RB_API rb_status rb_sensors_update_in(rb_sensors* sensors, const uint8_t* active, const double** values,
+                                      int64_t* count);
 /// Sets an authored value in `count` distinct worlds. `key`: a list, a name and keys of scene files:
 /// "gravity", "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness",
 /// "deformables.rope.density", "attachments.tip.stiffness", "actuators.motor.gain", "materials.ice.friction",
