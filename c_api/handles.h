@@ -57,6 +57,7 @@ struct rb_world {
 struct rb_worlds {
   std::shared_ptr<rubble::Worlds> worlds;
   std::vector<std::int32_t> rows = {};  ///< returned last
+  std::vector<double> values = {};
 };
 
 struct rb_run {

@@ -1,7 +1,6 @@
 #include <rubble/c/worlds.h>
 
-#include <sstream>
-#include <utility>
+#include <algorithm>
 
 #include <rubble/worlds.h>
 
@@ -16,33 +15,9 @@ namespace {
 
 Worlds& worldsOf(const rb_worlds* handle) { return *need(handle, "worlds").worlds; }
 
-/// What "gravity", "bodies.NAME.KEY" or "joints.NAME.KEY" names.
-struct ValueKey {
-  std::string list, name, key;
-  explicit ValueKey(const std::string& path) {
-    std::istringstream in(path);
-    std::getline(in, list, '.'), std::getline(in, name, '.'), std::getline(in, key);
-    if (list != "gravity" && list != "bodies" && list != "joints")
-      throw Error("key", "gravity, bodies.NAME.KEY or joints.NAME.KEY", path);
-  }
-  void set(World& world, std::span<const double> values) const {
-    if (list == "gravity") {
-      if (values.size() != 3) throw Error("width", "3 for gravity", std::to_string(values.size()));
-      return world.setGravity({values[0], values[1], values[2]});
-    }
-    const std::string text = io::nested(key, values);
-    if (list == "bodies") {
-      const BodyId id = world.findBody(name);
-      BodyDef def = world.definition(id);
-      io::parseBodyValues(text, def);
-      return world.setDefinition(id, def);
-    }
-    const JointId id = world.findJoint(name);
-    JointDef def = world.definition(id);
-    io::parseJointValues(text, def);
-    world.setDefinition(id, def);
-  }
-};
+std::vector<int> numbersOf(const int32_t* numbers, int64_t count) {
+  return mapped(numbers, count, [](int32_t number) { return int{number}; });
+}
 
 }  // namespace
 
@@ -89,7 +64,7 @@ rb_status rb_worlds_step(rb_worlds* worlds, int32_t steps, const uint8_t* active
 rb_status rb_worlds_reset(rb_worlds* worlds, const int32_t* numbers, int64_t count,
                           const rb_snapshot* const* snapshots, int64_t snapshot_count) {
   return guarded([&] {
-    const std::vector<int> list = mapped(numbers, count, [](int32_t number) { return int{number}; });
+    const std::vector<int> list = numbersOf(numbers, count);
     const std::vector<Snapshot> states = mapped(
         snapshots, snapshot_count, [](const rb_snapshot* s) { return need(s, "snapshot").snapshot; });
     worldsOf(worlds).reset(list, states);
@@ -180,7 +155,7 @@ rb_status rb_worlds_contact_forces(const rb_worlds* worlds, const int32_t* rows,
 rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays, int64_t count,
                               rb_hit* hits) {
   return guarded([&] {
-    const std::vector<int> of = mapped(numbers, count, [](int32_t number) { return int{number}; });
+    const std::vector<int> of = numbersOf(numbers, count);
     std::size_t next = 0;
     const auto asked = mapped(rays, count, [&](const rb_ray& ray) {
       return Worlds::WorldRay{of[next++], queryOf(ray)};
@@ -193,13 +168,50 @@ rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const r
 rb_status rb_worlds_set_values(rb_worlds* worlds, const char* key, const int32_t* numbers, int64_t count,
                                const double* values, int32_t width) {
   return guarded([&] {
-    Worlds& all = worldsOf(worlds);
-    const ValueKey to(textOr(key, ""));
-    const std::vector<int> of = mapped(numbers, count, [](int32_t number) { return int{number}; });
     if (width < 1) throw Error("width", "a number of at least 1", std::to_string(width));
-    if (count > 0) need(values, "values");
-    for (const int world : of)
-      to.set(all[world], {std::exchange(values, values + width), static_cast<std::size_t>(width)});
+    const std::vector<int> of = numbersOf(numbers, count);
+    const std::span<const double> given = of.empty() ? std::span<const double>{}
+                                                     : std::span(&need(values, "values"),
+                                                                 of.size() * static_cast<std::size_t>(width));
+    worldsOf(worlds).setValues(textOr(key, ""), of, given);
+  });
+}
+
+rb_status rb_worlds_values(rb_worlds* worlds, const char* key, const int32_t* numbers, int64_t count,
+                           const double** values, int64_t* value_count) {
+  return guarded([&] {
+    worlds->values = worldsOf(worlds).values(textOr(key, ""), numbersOf(numbers, count));
+    give(worlds->values, values, value_count);
+  });
+}
+
+rb_status rb_worlds_set_seed(rb_worlds* worlds, uint64_t seed, const int32_t* numbers, int64_t count) {
+  return guarded([&] {
+    if (!numbers) return worldsOf(worlds).setSeed(seed);
+    worldsOf(worlds).setSeed(seed, numbersOf(numbers, count));
+  });
+}
+
+rb_status rb_worlds_random_state(const rb_worlds* worlds, int32_t number, uint64_t* seed, int64_t* episode,
+                                 int64_t* drawn) {
+  return guarded([&] {
+    const RandomState state = worldsOf(worlds).randomState(number);
+    if (seed) *seed = state.seed;
+    if (episode) *episode = state.episode;
+    if (drawn) *drawn = state.drawn;
+  });
+}
+
+rb_status rb_worlds_set_random_state(rb_worlds* worlds, int32_t number, uint64_t seed, int64_t episode,
+                                     int64_t drawn) {
+  return guarded([&] { worldsOf(worlds).setRandomState(number, {seed, episode, drawn}); });
+}
+
+rb_status rb_worlds_uniform(rb_worlds* worlds, const int32_t* numbers, int64_t count, int32_t each,
+                            double low, double high, double* values) {
+  return guarded([&] {
+    const std::vector<double> drawn = worldsOf(worlds).uniform(numbersOf(numbers, count), each, low, high);
+    if (!drawn.empty()) std::ranges::copy(drawn, &need(values, "values"));
   });
 }
 

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "cook/body_fields.h"
+#include "io/field_json.h"
 #include "io/shape_json.h"
 
 namespace rubble::io {
@@ -35,11 +37,8 @@ std::array<bool, 3> readAxes(const Node& node) {
 
 /// What a body meets, and how it is held back besides contacts and joints.
 void readExtras(ObjectReader& object, BodyDef& out) {
-  if (const auto found = object.get("inertia"))
-    out.inertia = found->vector({0, false, kPositive.max, "a moment of inertia above 0 [kg m2]"},
-                                "three moments of inertia [kg m2]");
-  object.read("linear_damping", out.linearDamping, kNotNegative);
-  object.read("angular_damping", out.angularDamping, kNotNegative);
+  forEachField(kBodyFields, out,
+               [&](const FieldInfo& field, auto& value) { readField(object, field, value); });
   if (const auto found = object.get("lock_translation")) out.lockTranslation = readAxes(*found);
   if (const auto found = object.get("lock_rotation")) out.lockRotation = readAxes(*found);
   if (const auto found = object.get("layers")) out.filter.layers = readLayers(*found);
@@ -114,15 +113,8 @@ BodyDef BodyReader::body(const Node& node) const {
   if (const auto found = object.get("material")) out.material = material(*found);
   const auto density = object.get("density"), mass = object.get("mass");
   if (density && mass) mass->faultText("expected either \"density\" or \"mass\", got both");
-  if (density)
-    out.density = density->number({0, false, kPositive.max, "a density above 0 [kg/m3]"})
-                      .value_or(out.density);
-  if (mass) out.mass = mass->number({0, false, kPositive.max, "a mass above 0 [kg]"});
-  object.read("position", out.position);
-  if (const auto found = object.get("orientation")) out.orientation = readOrientation(*found);
-  object.read("velocity", out.velocity);
-  object.read("angular_velocity", out.angularVelocity);
-  object.read("gravity_scale", out.gravityScale);
+  const auto read = [&](const FieldInfo& field, auto& value) { readField(object, field, value); };
+  forEachField(kMassFields, out, read), forEachField(kBodyStateFields, out, read);
   readExtras(object, out);
   object.finish();
   checkName(node, out);

@@ -115,27 +115,6 @@ void parseDeformableValues(const std::string& text, Deformable& object, const st
   object = parseDeformable(all.dump(), "", path);
 }
 
-std::string nested(const std::string& path, std::span<const double> values) {
-  const nlohmann::json value = values.size() == 1 ? nlohmann::json(values[0]) : nlohmann::json(values);
-  std::string before, after;
-  for (std::size_t at = 0; at <= path.size();) {
-    const std::size_t end = std::min(path.find('.', at), path.size());
-    const std::string key = path.substr(at, end - at);
-    if (!key.empty() && key.find_first_not_of("0123456789") == std::string::npos) {
-      constexpr int kMostElements = 64;
-      const int index = std::min(std::atoi(key.c_str()), kMostElements);
-      before += "[";
-      for (int k = 0; k < index; ++k) before += "{},";
-      after.insert(after.begin(), ']');
-    } else {
-      before += "{" + nlohmann::json(key).dump() + ":";
-      after.insert(after.begin(), '}');
-    }
-    at = end + 1;
-  }
-  return before + value.dump() + after;
-}
-
 MaterialPair parseMaterialPair(const std::string& text, const std::string& path) {
   MaterialPair out;
   readDefinition(text, path, [&](const Node& node) { out = readMaterialPair(node); });

@@ -25,9 +25,6 @@ BodyDef parseBody(const std::string& text, const std::string& path = "body");
 /// Values of a body that replace those of `body`: {"mass": 2, "material": {"friction": 0.5}}. Without "shape"
 /// the shape stays the same object.
 void parseBodyValues(const std::string& text, BodyDef& body, const std::string& path = "body");
-/// {"a": {"b": value}} for the path "a.b", with lists for numbers: {"axes": [{}, {"max": value}]} for
-/// "axes.1.max". One value is a number, several are a list.
-std::string nested(const std::string& path, std::span<const double> values);
 MaterialPair parseMaterialPair(const std::string& text, const std::string& path = "pair");
 /// Values of a deformable object that replace those of `object`, likewise.
 void parseDeformableValues(const std::string& text, Deformable& object,

@@ -16,8 +16,14 @@ static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// What is expected of a number, in words: "a length above 0 [m]".
 static std::string textOf(const FieldInfo& field) {
   const bool positive = field.rules.range == FieldRange::Positive;
-  const bool isLength = positive && !field.rules.infinity && std::string_view(field.unit) == "m";
-  std::string text = isLength ? "a length" : "a number";
+  const std::string_view unit = field.unit;
+  std::string text = "a number";
+  if (positive && !field.rules.infinity) {
+    if (unit == "m") text = "a length";
+    if (unit == "kg") text = "a mass";
+    if (unit == "kg/m3") text = "a density";
+    if (unit == "kg m2") text = "a moment of inertia";
+  }
   if (field.rules.range != FieldRange::Any) text += positive ? " above 0" : " of at least 0";
   text += std::string(" [") + field.unit + "]";
   return field.rules.infinity ? text + ", or \"" + field.rules.infinity + "\"" : text;
@@ -50,6 +56,12 @@ void readField(ObjectReader& object, const FieldInfo& field, Vec3& out) {
   const std::string text = textOf(field);
   if (field.rules.range != FieldRange::Any) want.text = text.c_str();
   node->vector(want);
+}
+void readField(ObjectReader& object, const FieldInfo& field, std::optional<double>& out) {
+  if (object.get(field.key)) readField(object, field, out.emplace());
+}
+void readField(ObjectReader& object, const FieldInfo& field, std::optional<Vec3>& out) {
+  if (object.get(field.key)) readField(object, field, out.emplace());
 }
 void readField(ObjectReader& object, const FieldInfo& field, bool& out) { object.read(field.key, out); }
 void readField(ObjectReader& object, const FieldInfo& field, Quat& out) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "cook/body_fields.h"
 #include "io/actuator_json.h"
 #include "io/appearance_json.h"
 #include "io/body_reader.h"
@@ -38,9 +39,7 @@ Json axesJson(const std::array<bool, 3>& axes) {
 /// What BodyReader's readExtras reads.
 void writeExtras(const BodyDef& body, Json& json) {
   const BodyDef usual;
-  if (body.inertia) json["inertia"] = vectorJson(*body.inertia);
-  if (!sameBits(body.linearDamping, usual.linearDamping)) json["linear_damping"] = body.linearDamping;
-  if (!sameBits(body.angularDamping, usual.angularDamping)) json["angular_damping"] = body.angularDamping;
+  writeFields(kBodyFields, body, json);
   if (body.lockTranslation != usual.lockTranslation)
     json["lock_translation"] = axesJson(body.lockTranslation);
   if (body.lockRotation != usual.lockRotation) json["lock_rotation"] = axesJson(body.lockRotation);
@@ -110,24 +109,15 @@ Json SceneWriter::shapeOf(const Shape& shape) const {
 }
 
 Json SceneWriter::body(const BodyDef& body) const {
-  const BodyDef usual;
   Json json = Json::object();
   if (!body.name.empty()) json["name"] = body.name;
   if (body.motion != Motion::Dynamic && body.shape.type != ShapeType::Plane)
     json["motion"] = motionNames()[static_cast<std::size_t>(body.motion)];
   json["shape"] = shapeOf(body.shape);
   if (const Json material = materialName(body.material); !material.is_null()) json["material"] = material;
-  if (body.mass) {
-    json["mass"] = *body.mass;
-  } else if (!sameBits(body.density, usual.density)) {
-    json["density"] = body.density;
-  }
-  if (!sameBits(body.position, usual.position)) json["position"] = vectorJson(body.position);
-  if (!sameBits(body.orientation, usual.orientation)) json["orientation"] = quaternionJson(body.orientation);
-  if (!sameBits(body.velocity, usual.velocity)) json["velocity"] = vectorJson(body.velocity);
-  if (!sameBits(body.angularVelocity, usual.angularVelocity))
-    json["angular_velocity"] = vectorJson(body.angularVelocity);
-  if (!sameBits(body.gravityScale, usual.gravityScale)) json["gravity_scale"] = body.gravityScale;
+  writeFields(kMassFields, body, json);
+  if (body.mass) json.erase("density");
+  writeFields(kBodyStateFields, body, json);
   writeExtras(body, json);
   return json;
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "cook/body_fields.h"
 #include "cook/shape_traits.h"
 #include "io/field_json.h"
 #include "io/shape_json.h"
@@ -192,10 +193,8 @@ Material readMaterial(const Node& node) {
   };
   rule("friction_combine", out.frictionCombine);
   rule("restitution_combine", out.restitutionCombine);
-  object.read("rolling_friction", out.rollingFriction, kNotNegative);
-  object.read("torsional_friction", out.torsionalFriction, kNotNegative);
-  object.read("surface_velocity", out.surfaceVelocity);
-  object.read("one_way", out.oneWay);
+  forEachField(kSurfaceFields, out,
+               [&](const FieldInfo& field, auto& value) { readField(object, field, value); });
   object.read("name", out.name);
   object.finish();
   return out;
@@ -211,11 +210,10 @@ MaterialPair readMaterialPair(const Node& node) {
   };
   read("friction", out.staticFriction, kNotNegative);
   out.dynamicFriction = out.staticFriction;
-  read("static_friction", out.staticFriction, kNotNegative);
-  read("dynamic_friction", out.dynamicFriction, kNotNegative);
   read("restitution", out.restitution, kRatio);
-  read("rolling_friction", out.rollingFriction, kNotNegative);
-  read("torsional_friction", out.torsionalFriction, kNotNegative);
+  forEachField(kMaterialPairFields, out, [&](const FieldInfo& field, auto& value) {
+    if (!field.is("restitution")) readField(object, field, value);
+  });
   object.finish();
   return out;
 }

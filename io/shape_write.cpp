@@ -1,3 +1,4 @@
+#include "cook/body_fields.h"
 #include "cook/shape_traits.h"
 #include "io/field_json.h"
 #include "io/shape_json.h"
@@ -21,30 +22,22 @@ nlohmann::ordered_json materialJson(const Material& material) {
   if (sameBits(material.staticFriction, material.dynamicFriction)) {
     json["friction"] = material.staticFriction;
   } else {
-    json["static_friction"] = material.staticFriction;
-    json["dynamic_friction"] = material.dynamicFriction;
+    forEachField(kFrictionFields, material,
+                 [&](const FieldInfo& field, double value) { json[field.key] = value; });
   }
-  if (!sameBits(material.restitution, 0)) json["restitution"] = material.restitution;
+  writeFields(kRestitutionField, material, json);
   if (material.frictionCombine != Combine::Usual)
     json["friction_combine"] = combineNames()[static_cast<std::size_t>(material.frictionCombine)];
   if (material.restitutionCombine != Combine::Usual)
     json["restitution_combine"] = combineNames()[static_cast<std::size_t>(material.restitutionCombine)];
-  if (!sameBits(material.rollingFriction, 0)) json["rolling_friction"] = material.rollingFriction;
-  if (!sameBits(material.torsionalFriction, 0)) json["torsional_friction"] = material.torsionalFriction;
-  if (material.surfaceVelocity != Vec3{}) json["surface_velocity"] = vectorJson(material.surfaceVelocity);
-  if (material.oneWay != Vec3{}) json["one_way"] = vectorJson(material.oneWay);
+  writeFields(kSurfaceFields, material, json);
   if (!material.name.empty()) json["name"] = material.name;
   return json;
 }
 
 nlohmann::ordered_json materialPairJson(const MaterialPair& pair) {
   Ordered json{{"a", pair.a}, {"b", pair.b}};
-  const auto put = [&](const char* key, const std::optional<double>& value) {
-    if (value) json[key] = *value;
-  };
-  put("static_friction", pair.staticFriction), put("dynamic_friction", pair.dynamicFriction);
-  put("restitution", pair.restitution);
-  put("rolling_friction", pair.rollingFriction), put("torsional_friction", pair.torsionalFriction);
+  writeFields(kMaterialPairFields, pair, json);
   return json;
 }
 

@@ -10,6 +10,7 @@
 namespace rubble {
 
 class World;
+class Worlds;
 
 /// What a sensor measures. A frame is that of SensorDef::position and orientation on its body.
 enum class SensorType {
@@ -60,23 +61,36 @@ struct SensorDef {
   double cutoff = 0;  ///< largest absolute value of each number; 0: none
 };
 
-/// Readings of sensors of a world.
+/// Readings of the sensors of a world, or of many worlds of one scene.
 class Sensors {
  public:
   /// Bodies and joints are those that the world has at present. Throws Error at "sensors[i]..." for one that
   /// is not there.
   Sensors(std::vector<SensorDef> sensors, const World& world);
+  /// The same in each of the worlds from `first` on, `count` of them; -1: up to the last one. The readings of
+  /// a world are those that it has alone. Throws Error for worlds that are not there.
+  Sensors(std::vector<SensorDef> sensors, const Worlds& worlds, int first = 0, int count = -1);
   ~Sensors();
   Sensors(Sensors&&) noexcept;
   Sensors& operator=(Sensors&&) noexcept;
 
   const std::vector<SensorDef>& definitions() const;
+  /// Worlds that they measure.
+  int worlds() const;
+  /// Numbers of a world.
+  std::size_t width() const;
   /// Measures the world. Accelerations are those since the last call, so call it after each step.
   void update(World& world);
-  /// Of all sensors, one after the other, as they were when update() was called; zeros before.
+  /// Measures the worlds whose element of `active` is not 0 (one for each of `worlds`; empty: all). The
+  /// others keep their readings. The host computes them. With the backend "cuda" it copies the poses and
+  /// velocities of all worlds at once, and their whole state if a sensor reads joints or contacts. Rays are
+  /// cast on the device.
+  void update(Worlds& worlds, std::span<const char> active = {});
+  /// Of all sensors, one after the other, as they were when update() was called; zeros before. Shape: worlds
+  /// x width().
   std::span<const double> values() const;
-  /// Of one sensor.
-  std::span<const double> values(std::size_t sensor) const;
+  /// Of one sensor in one of the worlds.
+  std::span<const double> values(std::size_t sensor, int world = 0) const;
 
  private:
   struct Impl;

@@ -1,8 +1,10 @@
 #pragma once
 /// Many separate worlds in one set of tables and one step, for learning and for parameter studies.
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <rubble/world.h>
@@ -12,6 +14,13 @@ namespace rubble {
 /// Report of a step of many worlds: sums over those that took part.
 struct WorldsReport : StepReport {
   std::vector<int> brokenIn;  ///< the world of each of `broken`
+};
+
+/// Where the random numbers of a world stand. Number k of an episode is a hash of (seed, episode, k).
+struct RandomState {
+  std::uint64_t seed = 0;
+  std::int64_t episode = 0;  ///< resets of the world since the seed was set
+  std::int64_t drawn = 0;    ///< numbers of this episode that were drawn
 };
 
 /// Worlds that share one engine but nothing else: alike or different in all but the parameters of the step.
@@ -43,11 +52,31 @@ class Worlds {
   WorldsReport step(int steps, std::span<const char> active);
 
   /// Restores distinct worlds from one snapshot each, or all of them from one. A snapshot may be of another
-  /// world of this batch. No other world is touched.
+  /// world of this batch. No other world is touched. Each begins the next episode of its random numbers.
   void reset(std::span<const int> worlds, std::span<const Snapshot> snapshots);
 
   const Params& params() const;
   void setParams(const Params& params);
+
+  // Domain randomization: authored values of single worlds.
+  /// Sets a value in each of these worlds, from the next step on. Paths have the names and keys of scene
+  /// files (docs/worlds.md): "gravity", "bodies.pole.mass", "joints.hip.axes.0.drive_stiffness",
+  /// "bodies[\"a.b\"].mass". World worlds[k] receives as many numbers as a value has, world after world. All
+  /// worlds are checked first: an Error, which names the world, changes nothing.
+  void setValues(const std::string& path, std::span<const int> worlds, std::span<const double> values);
+  /// The present values, world after world.
+  std::vector<double> values(const std::string& path, std::span<const int> worlds) const;
+
+  // Random numbers. Each world has its own, which depend neither on the number of the worlds nor on draws and
+  // resets of others. Snapshots do not have them.
+  /// Gives each of these worlds a seed made of `seed` and its number, and begins with episode 0. Without
+  /// `worlds`: all of them, and those that are added later. Worlds begin with a seed of 0.
+  void setSeed(std::uint64_t seed);
+  void setSeed(std::uint64_t seed, std::span<const int> worlds);
+  RandomState randomState(int world) const;
+  void setRandomState(int world, const RandomState& state);
+  /// The next `count` numbers of each of these worlds, uniform from `low` to below `high`, world after world.
+  std::vector<double> uniform(std::span<const int> worlds, int count, double low = 0, double high = 1);
 
   /// State of the bodies of all worlds, one row per body. Body k of world w has the row rowsOf(w)[k], which
   /// is firstRow(w) + k unless bodies were added to a world after others had been made. Worlds of one scene
@@ -93,6 +122,7 @@ class Worlds {
 
  private:
   friend class Actuators;
+  friend class Sensors;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -106,11 +106,10 @@ class Worlds:
         Args:
             worlds: Numbers, or a mask of shape (worlds,) of booleans.
             snapshots: One, or as many as worlds, of any worlds of this batch.
+
+        Each of these worlds begins the next episode of its random numbers (`uniform`).
         """
-        numbers = np.asarray(worlds)
-        if numbers.dtype == bool:
-            numbers = np.flatnonzero(numbers)
-        numbers = np.ascontiguousarray(numbers, dtype=np.int32).reshape(-1)
+        numbers = self._numbers(worlds)
         given = [snapshots] if isinstance(snapshots, Snapshot) else list(snapshots)
         handles = (ctypes.c_void_p * len(given))(*(each._handle.pointer.value for each in given))
         check(lib.rb_worlds_reset(self._handle.pointer, numbers.ctypes.data, len(numbers), handles,
@@ -218,23 +217,84 @@ class Worlds:
         snapshot.
 
         Args:
-            key: "gravity", or "bodies.NAME.KEY" or "joints.NAME.KEY" with keys of scene files:
-                "bodies.pole.mass", "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness".
+            key: A list, a name and keys of scene files: "gravity", "bodies.cart.material.friction",
+                "joints.hip.axes.0.drive_stiffness", "deformables.rope.density", "attachments.tip.stiffness",
+                "actuators.motor.gain", "materials.ice.friction", "material_pairs.ice.steel.friction". A name
+                with a dot is in brackets and quotes: ``bodies["a.b"].mass``. A number in brackets is a place
+                in `World.bodies`, `World.joints` and so on: ``bodies[3].mass``.
             values: (n,) numbers, or (n, m) for values of m numbers.
             worlds: n numbers, or a mask of shape (worlds,). None: all.
         Raises:
-            Error: For an unknown name or key, or an invalid value. Worlds before it have their values then.
+            Error: For an unknown name or key, or an invalid value, with the world in its path. No world has
+                changed then.
         """
-        numbers = np.arange(len(self)) if worlds is None else np.asarray(worlds)
-        if numbers.dtype == bool:
-            numbers = np.flatnonzero(numbers)
-        numbers = np.ascontiguousarray(numbers, dtype=np.int32).reshape(-1)
+        numbers = self._numbers(worlds)
         given = np.ascontiguousarray(values, dtype=np.float64)
-        if len(given) != len(numbers):
-            raise invalid("values", f"one per world, {len(numbers)}", str(len(given)))
+        if given.ndim not in (1, 2) or len(given) != len(numbers):
+            raise invalid("values", f"one per world, {len(numbers)}", f"shape {given.shape}")
         width = given.shape[1] if given.ndim > 1 else 1
         check(lib.rb_worlds_set_values(self._handle.pointer, key.encode(), numbers.ctypes.data, len(numbers),
                                        given.ctypes.data, width))
+
+    def values(self, key: str, worlds: Any = None) -> np.ndarray:
+        """Present values of a key of `set_values`: (n,) numbers, or (n, m) for values of m numbers, a copy."""
+        numbers = self._numbers(worlds)
+        address, count = ctypes.c_void_p(), ctypes.c_int64()
+        check(lib.rb_worlds_values(self._handle.pointer, key.encode(), numbers.ctypes.data, len(numbers),
+                                   ctypes.byref(address), ctypes.byref(count)))
+        if not count.value:
+            return np.empty(0)
+        found = np.frombuffer(ctypes.string_at(address, 8 * count.value))
+        return found if len(found) == len(numbers) else found.reshape(len(numbers), -1)
+
+    def set_seed(self, seed: int, worlds: Any = None) -> None:
+        """Gives each world random numbers of its own, made of `seed` and its number, and begins with their
+        episode 0. Worlds begin with a seed of 0.
+
+        Args:
+            worlds: Numbers, or a mask of shape (worlds,). None: all, and those that are added later.
+        """
+        numbers = None if worlds is None else self._numbers(worlds)
+        check(lib.rb_worlds_set_seed(self._handle.pointer, seed & 0xFFFFFFFFFFFFFFFF,
+                                     None if numbers is None else numbers.ctypes.data,
+                                     0 if numbers is None else len(numbers)))
+
+    def uniform(self, worlds: Any = None, count: int = 1, low: float = 0, high: float = 1) -> np.ndarray:
+        """The next `count` random numbers of worlds, from `low` to below `high`.
+
+        Number k of an episode of a world is a hash of its seed, the episode and k. Draws and resets of other
+        worlds have no effect on it. `reset` begins the next episode of a world.
+
+        Args:
+            worlds: n numbers, or a mask of shape (worlds,). None: all.
+        Returns:
+            (n, count) numbers.
+        """
+        numbers = self._numbers(worlds)
+        drawn = np.empty((len(numbers), max(count, 0)))
+        check(lib.rb_worlds_uniform(self._handle.pointer, numbers.ctypes.data, len(numbers), count, low, high,
+                                    drawn.ctypes.data))
+        return drawn
+
+    def random_state(self, world: int) -> tuple[int, int, int]:
+        """Where the random numbers of a world stand: its seed, its resets since the seed was set, and the
+        numbers drawn since the last of these."""
+        seed, episode, drawn = ctypes.c_uint64(), ctypes.c_int64(), ctypes.c_int64()
+        check(lib.rb_worlds_random_state(self._handle.pointer, world, ctypes.byref(seed),
+                                         ctypes.byref(episode), ctypes.byref(drawn)))
+        return seed.value, episode.value, drawn.value
+
+    def set_random_state(self, world: int, state: Sequence[int]) -> None:
+        """Continues the random numbers of a world from a `random_state`, of any world."""
+        seed, episode, drawn = state
+        check(lib.rb_worlds_set_random_state(self._handle.pointer, world, seed, episode, drawn))
+
+    def _numbers(self, worlds: Any) -> np.ndarray:
+        """Numbers of worlds, of those of a mask, or of all."""
+        numbers = np.arange(len(self)) if worlds is None else np.asarray(worlds)
+        if numbers.dtype == bool:
+            numbers = np.flatnonzero(numbers)
+        return np.ascontiguousarray(numbers, dtype=np.int32).reshape(-1)
 
     @property
     def memory_bytes(self) -> int:

@@ -91,6 +91,8 @@ void placeAttachments(HostTables& tables, const std::vector<EngineAttachment>& a
     Attachment kept = old[static_cast<std::size_t>(attachments[i].previous)];
     std::ranges::copy(to.v, kept.v);
     kept.body = to.body, kept.mass = to.mass, kept.length = to.length;
+    kept.worldPoint = to.worldPoint, kept.anchor = to.anchor;
+    kept.bound = to.bound, kept.compliance = to.compliance;
     to = kept;
   }
 }

@@ -145,6 +145,10 @@ struct Actuators::Impl {
   static std::size_t axisAt(Site& site, const World& world, JointId joint, std::size_t axis);
   /// Of an actuator of a site, among those of all.
   std::size_t placeOf(std::size_t site, std::size_t i) const { return site * definitions.size() + i; }
+  /// As it is in one world.
+  const ActuatorDef& definition(std::size_t site, std::size_t i) const {
+    return (*state->definitions[site])[i];
+  }
   /// Within its bounds.
   double control(std::size_t site, std::size_t i) const;
   void requireFinite(std::size_t site) const;
@@ -152,10 +156,10 @@ struct Actuators::Impl {
   void measure(const World& world, std::size_t site);
   void act(World& world, std::size_t site);
   /// Activation after a step.
-  double next(std::size_t i, double now, double given, double dt) const;
+  static double next(const ActuatorDef& a, double now, double given, double dt);
   /// Both return what the actuator does.
-  double actOnAxis(std::size_t i, Axis& axis, double input) const;
-  double actOnBody(World& world, std::size_t i, BodyId body, double input) const;
+  static double actOnAxis(const ActuatorDef& a, Axis& axis, double input);
+  static double actOnBody(World& world, const ActuatorDef& a, BodyId body, double input);
 };
 
 Actuators::Impl::Impl(std::vector<ActuatorDef> actuators) : definitions(std::move(actuators)) {
@@ -164,6 +168,7 @@ Actuators::Impl::Impl(std::vector<ActuatorDef> actuators) : definitions(std::mov
     state->firstControls.push_back(definitions[i].control);
     state->firstActivations.push_back(definitions[i].activation);
   }
+  state->first = std::make_shared<const std::vector<ActuatorDef>>(definitions);
 }
 
 std::size_t Actuators::Impl::axisAt(Site& site, const World& world, JointId joint, std::size_t axis) {
@@ -199,6 +204,7 @@ void Actuators::Impl::add(const World& world) {
   const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
     to.insert(to.end(), from.begin(), from.end());
   };
+  state->definitions.push_back(state->first);
   append(state->controls, state->firstControls), append(state->activations, state->firstActivations);
   forces.resize(state->controls.size());
 }
@@ -232,8 +238,7 @@ std::span<double> Actuators::controls() { return impl_->state->controls; }
 std::span<double> Actuators::activations() { return impl_->state->activations; }
 std::span<const double> Actuators::forces() const { return impl_->forces; }
 
-double Actuators::Impl::next(std::size_t i, double now, double given, double dt) const {
-  const ActuatorDef& a = definitions[i];
+double Actuators::Impl::next(const ActuatorDef& a, double now, double given, double dt) {
   double change = 0;
   switch (a.dynamics) {
     case ActuatorDynamics::None:
@@ -255,8 +260,7 @@ double Actuators::Impl::next(std::size_t i, double now, double given, double dt)
   return std::clamp(std::isnan(change) ? now : now + change, a.minActivation, a.maxActivation);
 }
 
-double Actuators::Impl::actOnAxis(std::size_t i, Axis& axis, double input) const {
-  const ActuatorDef& a = definitions[i];
+double Actuators::Impl::actOnAxis(const ActuatorDef& a, Axis& axis, double input) {
   const double length = a.gear * axis.position + a.offset, speed = a.gear * axis.speed;
   double force = 0, slope = 0;  // slope: by speed
   if (a.type == ActuatorType::Muscle) {
@@ -288,8 +292,7 @@ double Actuators::Impl::actOnAxis(std::size_t i, Axis& axis, double input) const
   return force;
 }
 
-double Actuators::Impl::actOnBody(World& world, std::size_t i, BodyId body, double input) const {
-  const ActuatorDef& a = definitions[i];
+double Actuators::Impl::actOnBody(World& world, const ActuatorDef& a, BodyId body, double input) {
   const double force = std::clamp(a.gain.x * input + a.bias.x, a.minForce, a.maxForce);
   if (force == 0) return force;
   const auto isDynamic = [&](BodyId id) { return world.definition(id).motion == Motion::Dynamic; };
@@ -313,7 +316,7 @@ double Actuators::Impl::actOnBody(World& world, std::size_t i, BodyId body, doub
 }
 
 double Actuators::Impl::control(std::size_t site, std::size_t i) const {
-  const ActuatorDef& a = definitions[i];
+  const ActuatorDef& a = definition(site, i);
   return std::clamp(state->controls[placeOf(site, i)], a.minControl, a.maxControl);
 }
 
@@ -339,14 +342,14 @@ void Actuators::Impl::act(World& world, std::size_t site) {
   const double dt = world.params().dt;
   auto& [own, axes] = sites[site];
   for (std::size_t i = 0; i < own.size(); ++i) {
-    const ActuatorDef& a = definitions[i];
+    const ActuatorDef& a = definition(site, i);
     const std::size_t at = placeOf(site, i);
     const double given = control(site, i);
     double& activation = state->activations[at];
-    const double after = next(i, activation, given, dt);
+    const double after = next(a, activation, given, dt);
     const double input = a.dynamics == ActuatorDynamics::None ? given : a.early ? after : activation;
-    forces[at] = actsOnAxis(a.type) ? actOnAxis(i, axes[own[i].axis], input)
-                                    : actOnBody(world, i, own[i].body, input);
+    forces[at] = actsOnAxis(a.type) ? actOnAxis(a, axes[own[i].axis], input)
+                                    : actOnBody(world, a, own[i].body, input);
     activation = after;
   }
   for (std::size_t i = 0; i < axes.size();) {
@@ -400,11 +403,12 @@ void World::Impl::addActuators(const std::shared_ptr<ActuatorState>& state, std:
   actuators.emplace_back(state, world);
 }
 
-std::vector<std::vector<double>> World::Impl::actuatorValues() const {
+std::vector<std::vector<double>> World::Impl::actuatorValues(std::vector<ActuatorList>* definitions) const {
   std::vector<std::vector<double>> out;
   for (const auto& [held, world] : actuators) {
     const std::shared_ptr<const ActuatorState> state = held.lock();
     if (!state) continue;
+    definitions->push_back(state->definitions[world]);
     std::vector<double>& own = out.emplace_back();
     const auto count = static_cast<std::ptrdiff_t>(state->firstControls.size());
     for (const std::vector<double>* const list : {&state->controls, &state->activations}) {
@@ -415,13 +419,16 @@ std::vector<std::vector<double>> World::Impl::actuatorValues() const {
   return out;
 }
 
-void World::Impl::setActuatorValues(const std::vector<std::vector<double>>& values) {
+void World::Impl::setActuatorValues(const std::vector<std::vector<double>>& values,
+                                    const std::vector<ActuatorList>& definitions) {
   std::size_t number = 0;
   for (const auto& [held, world] : actuators) {
     const std::shared_ptr<ActuatorState> state = held.lock();
     if (!state) continue;
     const std::size_t count = state->firstControls.size(), at = number++;
     const bool has = at < values.size() && values[at].size() == 2 * count;
+    state->definitions[world] = at < definitions.size() && definitions[at]->size() == count ? definitions[at]
+                                                                                            : state->first;
     for (std::size_t i = 0; i < count; ++i) {
       state->controls[world * count + i] = has ? values[at][i] : state->firstControls[i];
       state->activations[world * count + i] = has ? values[at][count + i] : state->firstActivations[i];

@@ -9,6 +9,18 @@ BodyRecord recordOf(const BodyDef& def, const PlacedShape& shape, const Path& pa
 /// The body for the engine. `shape`, `surface`: as they are in its tables.
 EngineBody engineBody(const BodyRecord& record, const CookedData& shape, int surface);
 
+/// A change of the definition of a body that the engine does not have yet. Until it is applied its world must
+/// not be edited.
+struct BodyChange {
+  BodyId id;
+  TableAdditions tables;
+  BodyRecord after;
+  std::vector<Edit> edits;
+  std::vector<int> planes;
+  std::vector<std::pair<JointId, EngineJoint>> joints;  ///< of the body, which see its new mass and frame
+  bool swaps;                                           ///< another shape
+};
+
 /// New bodies of a world. Until commit() the engine does not have them, and the end of this object takes them
 /// out of the registry. One record of each is made, where it stays, since memory that is touched for the
 /// first time costs more than all else that a body takes.

@@ -34,9 +34,10 @@ void World::Impl::addDrop(std::vector<Edit>& edits, ShapeId id, int uses) const 
     edits.push_back(DropShape{record.place});
 }
 
-void World::Impl::redefine(BodyId id, BodyDef def) {
+BodyChange World::Impl::redefined(BodyId id, BodyDef def) {
   requireAlive(id);
-  const BodyRecord before = registry.bodies[id];
+  registry.bodies.prepare(0);
+  BodyRecord& before = registry.bodies.edit(id);
   if (def.name != before.def.name)
     throw Error("body.name", "that of the body, \"" + before.def.name + "\"", "\"" + def.name + "\"");
   validate(def, "body");
@@ -74,30 +75,41 @@ void World::Impl::redefine(BodyId id, BodyDef def) {
   }
   const bool swaps = before.shape != shape.id;
   if (swaps) addDrop(edits, before.shape, 1);
-  tables.prepare(registry, 1);
-  registry.bodies.prepare(0), registry.joints.prepare(0);
-  // joints see the new frame and mass of the body
-  BodyRecord& record = registry.bodies.edit(id);
-  std::swap(record, after);
-  Undo undo([&] { std::swap(record, after); });
   std::vector<std::pair<JointId, EngineJoint>> joints;
-  for (const JointId joint : record.joints) {
-    joints.emplace_back(joint, changedJoint(registry.joints[joint], registry.joints[joint].def));
-    edits.push_back(SetJoint{registry.joints[joint].engineSlot, joints.back().second, true});
+  {
+    // joints see the new frame and mass of the body
+    std::swap(before, after);
+    const Undo undo([&] { std::swap(before, after); });
+    for (const JointId joint : before.joints) {
+      joints.emplace_back(joint, changedJoint(registry.joints[joint], registry.joints[joint].def));
+      edits.push_back(SetJoint{registry.joints[joint].engineSlot, joints.back().second, true});
+    }
   }
-  engine->apply(edits);
-
-  undo.keep();
-  tables.commit(registry);
-  if (swaps) {
-    registry.shapes.use(record.shape, &ShapeRecord::bodies);
-    registry.shapes.drop(before.shape, &ShapeRecord::bodies);
-  }
-  registry.planes = std::move(planes);
-  for (auto& [joint, changed] : joints) registry.joints.edit(joint).engine = std::move(changed);
-  for (const AttachmentId a : registry.attachments.ids()) softChanged |= registry.attachments[a].body == id;
-  pass(inputs::SetBodyDefinition{id, def});
+  return {id,   std::move(tables), std::move(after), std::move(edits), std::move(planes), std::move(joints),
+          swaps};
 }
+
+void World::Impl::apply(BodyChange&& change) {
+  change.tables.prepare(registry, 1);
+  registry.bodies.prepare(0), registry.joints.prepare(0);
+  engine->apply(change.edits);
+
+  BodyRecord& record = registry.bodies.edit(change.id);
+  const ShapeId before = record.shape;
+  record = std::move(change.after);
+  change.tables.commit(registry);
+  if (change.swaps) {
+    registry.shapes.use(record.shape, &ShapeRecord::bodies);
+    registry.shapes.drop(before, &ShapeRecord::bodies);
+  }
+  registry.planes = std::move(change.planes);
+  for (auto& [joint, changed] : change.joints) registry.joints.edit(joint).engine = std::move(changed);
+  for (const AttachmentId a : registry.attachments.ids())
+    softChanged |= registry.attachments[a].body == change.id;
+  pass(inputs::SetBodyDefinition{change.id, record.def});
+}
+
+void World::Impl::redefine(BodyId id, BodyDef def) { apply(redefined(id, std::move(def))); }
 
 void World::Impl::removeBodies(std::span<const BodyId> ids) {
   std::vector<int> slots;

@@ -163,7 +163,7 @@ EngineJoint World::Impl::changedJoint(const JointRecord& record, const JointDef&
   return joint;
 }
 
-void World::Impl::redefine(JointId id, const JointDef& def) {
+EngineJoint World::Impl::redefined(JointId id, const JointDef& def) const {
   requireAlive(id);
   const JointRecord& record = registry.joints[id];
   if (def.type != record.def.type)
@@ -179,17 +179,23 @@ void World::Impl::redefine(JointId id, const JointDef& def) {
   if (joint.type != record.engine.type)
     throw Error("joint", "friction or none, as when it was made: it decides what kind of joint it is",
                 "the other");
+  return joint;
+}
+
+void World::Impl::redefine(JointId id, const JointDef& def) { apply(id, def, redefined(id, def)); }
+
+void World::Impl::apply(JointId id, JointDef def, EngineJoint joint) {
+  const JointRecord& record = registry.joints[id];
   std::vector<Edit> edits;
   addWakes(edits, record);
   edits.push_back(SetJoint{record.engineSlot, joint, true});
   if (def.collide != record.def.collide && record.a.index >= 0 && record.b.index >= 0)
     addExclusion(edits, record.a, record.b,
                  (!def.collide && !record.broken) || jointExcludes(record.a, record.b, {&id, 1}));
-  JointDef own = def;
   registry.joints.prepare(0);
   engine->apply(edits);
   JointRecord& changed = registry.joints.edit(id);
-  changed.def = std::move(own);
+  changed.def = std::move(def);
   changed.engine = std::move(joint);
   pass(inputs::SetDefinition{id, changed.def});
 }

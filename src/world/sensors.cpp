@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include <rubble/world.h>
+#include "world/worlds_impl.h"
 
 namespace rubble {
 namespace {
@@ -34,6 +34,13 @@ constexpr std::array<Kind, 19> kKinds{{{"acceleration", 3},
                                        {"drive_force", 1},
                                        {"time", 1}}};
 const Kind& kindOf(SensorType type) { return kKinds.at(static_cast<std::size_t>(type)); }
+
+/// Does it read more than states of bodies?
+bool readsTables(const SensorDef& sensor) {
+  return sensor.type == SensorType::Touch || sensor.type == SensorType::JointPosition ||
+         sensor.type == SensorType::JointSpeed || sensor.type == SensorType::DriveForce ||
+         sensor.type == SensorType::Force || sensor.type == SensorType::Torque;
+}
 
 bool readsJoint(SensorType type) {
   return type == SensorType::JointPosition || type == SensorType::JointSpeed ||
@@ -135,25 +142,44 @@ struct Sensors::Impl {
   struct Own {
     Mount at, reference;
     JointId joint;
-    std::size_t first = 0;  ///< of its numbers
-    Vec3 lastVelocity;      ///< of the frame, in the update before
+    Vec3 lastVelocity;  ///< of the frame, in the update before
+  };
+  /// The sensors in one world.
+  struct Site {
+    std::vector<Own> own;
+    double lastTime = 0;
   };
   std::vector<SensorDef> definitions;
-  std::vector<Own> own;
+  std::vector<std::size_t> begin{0};  ///< [sensors + 1] first number of each, of those of a world
+  bool ofBatch = false;
+  int first = 0;  ///< world of a batch
+  std::vector<Site> sites;
   std::vector<double> values;
-  double lastTime = 0;
 
-  void measure(World& world, const SensorDef& sensor, Own& state, double dt, double* out) const;
+  explicit Impl(std::vector<SensorDef> sensors) : definitions(std::move(sensors)) {
+    for (const SensorDef& sensor : definitions)
+      begin.push_back(begin.back() + static_cast<std::size_t>(readingSize(sensor.type)));
+  }
+  void add(const World& world);
+  /// Of a sensor in a site.
+  double* valuesAt(std::size_t site, std::size_t sensor) {
+    return values.data() + site * begin.back() + begin[sensor];
+  }
+  /// Reads everything but ranges, and appends the rays of these.
+  void measure(const World& world, std::size_t site, std::vector<RayQuery>& rays);
+  void measure(const World& world, const SensorDef& sensor, Own& state, double dt,
+               std::optional<std::vector<ContactPoint>>& contacts, double* out) const;
+  /// Writes the readings of ranges, in the order of their rays.
+  void finish(std::size_t site, std::span<const RayHit> hits);
   Vec3 jointLoad(const World& world, const Own& state, const FrameMotion& at, bool turns) const;
 };
 
-Sensors::Sensors(std::vector<SensorDef> sensors, const World& world) : impl_(std::make_unique<Impl>()) {
+void Sensors::Impl::add(const World& world) {
   const std::vector<BodyId> bodies = world.bodies();
   const std::vector<JointId> joints = world.joints();
-  impl_->lastTime = world.time();
-  std::size_t first = 0;
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    const SensorDef& sensor = sensors[i];
+  Site site{{}, world.time()};
+  for (std::size_t i = 0; i < definitions.size(); ++i) {
+    const SensorDef& sensor = definitions[i];
     const std::string path = "sensors[" + std::to_string(i) + "].";
     const auto bodyAt = [&](int index, const char* key) {
       if (index < kWorld || index >= static_cast<int>(bodies.size()))
@@ -167,11 +193,10 @@ Sensors::Sensors(std::vector<SensorDef> sensors, const World& world) : impl_(std
         out.center = massProperties(world.definition(body).shape, 1).center;
       return out;
     };
-    Impl::Own own{
+    Own own{
         mountOf(bodyAt(sensor.body, "body"), sensor.position, sensor.orientation),
         mountOf(bodyAt(sensor.reference, "reference"), sensor.referencePosition, sensor.referenceOrientation),
         {},
-        first,
         {}};
     if (readsJoint(sensor.type)) {
       if (sensor.joint < 0 || sensor.joint >= static_cast<int>(joints.size()))
@@ -184,11 +209,26 @@ Sensors::Sensors(std::vector<SensorDef> sensors, const World& world) : impl_(std
         throw Error(path + "axis", "one of " + std::to_string(axes) + " axes", std::to_string(sensor.axis));
     }
     own.lastVelocity = motionOf(world, own.at).velocity;
-    impl_->own.push_back(std::move(own));
-    first += static_cast<std::size_t>(readingSize(sensor.type));
+    site.own.push_back(std::move(own));
   }
-  impl_->values.resize(first);
-  impl_->definitions = std::move(sensors);
+  sites.push_back(std::move(site));
+  values.resize(sites.size() * begin.back());
+}
+
+Sensors::Sensors(std::vector<SensorDef> sensors, const World& world)
+    : impl_(std::make_unique<Impl>(std::move(sensors))) {
+  impl_->add(world);
+}
+
+Sensors::Sensors(std::vector<SensorDef> sensors, const Worlds& worlds, int first, int count)
+    : impl_(std::make_unique<Impl>(std::move(sensors))) {
+  const int all = worlds.count();
+  if (first < 0 || first > all) throw Error("first", "0 to " + std::to_string(all), std::to_string(first));
+  if (count == -1) count = all - first;
+  if (count < 0 || count > all - first)
+    throw Error("count", "0 to " + std::to_string(all - first) + " worlds", std::to_string(count));
+  impl_->ofBatch = true, impl_->first = first;
+  for (int k = 0; k < count; ++k) impl_->add(worlds[first + k]);
 }
 
 Sensors::~Sensors() = default;
@@ -196,23 +236,90 @@ Sensors::Sensors(Sensors&&) noexcept = default;
 Sensors& Sensors::operator=(Sensors&&) noexcept = default;
 
 const std::vector<SensorDef>& Sensors::definitions() const { return impl_->definitions; }
+int Sensors::worlds() const { return static_cast<int>(impl_->sites.size()); }
+std::size_t Sensors::width() const { return impl_->begin.back(); }
 std::span<const double> Sensors::values() const { return impl_->values; }
-std::span<const double> Sensors::values(std::size_t sensor) const {
-  return std::span(impl_->values)
-      .subspan(impl_->own.at(sensor).first,
-               static_cast<std::size_t>(readingSize(impl_->definitions[sensor].type)));
+std::span<const double> Sensors::values(std::size_t sensor, int world) const {
+  if (world < 0 || world >= worlds())
+    throw Error("world", "a number below " + std::to_string(worlds()), std::to_string(world));
+  return std::span<const double>(impl_->values)
+      .subspan(static_cast<std::size_t>(world) * width() + impl_->begin.at(sensor),
+               static_cast<std::size_t>(readingSize(impl_->definitions.at(sensor).type)));
 }
 
 void Sensors::update(World& world) {
-  const double dt = world.time() - impl_->lastTime;
-  for (std::size_t i = 0; i < impl_->own.size(); ++i) {
-    const SensorDef& sensor = impl_->definitions[i];
-    double* const out = &impl_->values[impl_->own[i].first];
-    impl_->measure(world, sensor, impl_->own[i], dt, out);
+  if (impl_->ofBatch) throw Error("sensors", "those of a world", "those of a batch");
+  std::vector<RayQuery> rays;
+  impl_->measure(world, 0, rays);
+  impl_->finish(0, world.castRays(rays));
+}
+
+void Sensors::update(Worlds& worlds, std::span<const char> active) {
+  Impl& own = *impl_;
+  if (!own.ofBatch) throw Error("sensors", "those of a batch", "those of a world");
+  const int all = worlds.count();
+  if (own.first + this->worlds() > all)
+    throw Error("worlds", "those that the sensors were made for", std::to_string(all) + " worlds");
+  if (!active.empty() && static_cast<int>(active.size()) != all)
+    throw Error("active", "one element per world, " + std::to_string(all), std::to_string(active.size()));
+  Worlds::Impl& batches = *worlds.impl_;
+  std::vector<std::vector<int>> chosen(batches.batches.size());
+  for (int w = own.first; w < own.first + this->worlds(); ++w)
+    if (active.empty() || active[static_cast<std::size_t>(w)] != 0)
+      chosen[static_cast<std::size_t>(w / batches.perBatch)].push_back(w);
+  const bool tables = std::ranges::any_of(own.definitions, readsTables);
+  std::vector<std::vector<RayQuery>> rays(own.sites.size());
+  batches.forEachBatch([&](std::size_t batch) {
+    if (chosen[batch].empty()) return;
+    batches.flush(batch);
+    // from a device once for all worlds
+    if (tables) batches.batches[batch]->engine().read(Fetch::All, -1);
+    for (const int w : chosen[batch]) {
+      const auto site = static_cast<std::size_t>(w - own.first);
+      own.measure(batches.worlds[static_cast<std::size_t>(w)], site, rays[site]);
+    }
+  });
+  std::vector<Worlds::WorldRay> asked;
+  for (std::size_t site = 0; site < rays.size(); ++site)
+    for (const RayQuery& ray : rays[site]) asked.push_back({own.first + static_cast<int>(site), ray});
+  if (asked.empty()) return;
+  const std::vector<RayHit> hits = worlds.castRays(asked);
+  std::span<const RayHit> left = hits;
+  for (std::size_t site = 0; site < rays.size(); ++site) {
+    own.finish(site, left.first(rays[site].size()));
+    left = left.subspan(rays[site].size());
+  }
+}
+
+void Sensors::Impl::measure(const World& world, std::size_t site, std::vector<RayQuery>& rays) {
+  Site& here = sites[site];
+  const double dt = world.time() - here.lastTime;
+  std::optional<std::vector<ContactPoint>> contacts;
+  for (std::size_t i = 0; i < definitions.size(); ++i) {
+    const SensorDef& sensor = definitions[i];
+    if (sensor.type == SensorType::Range) {
+      const FrameMotion at = motionOf(world, here.own[i].at);
+      RayQuery& ray = rays.emplace_back();
+      ray.origin = at.position, ray.direction = rotate(at.orientation, Vec3{0, 0, 1});
+      ray.filter.ignore = here.own[i].at.body;
+      continue;
+    }
+    double* const out = valuesAt(site, i);
+    measure(world, sensor, here.own[i], dt, contacts, out);
     for (int k = 0; sensor.cutoff > 0 && k < readingSize(sensor.type); ++k)
       out[k] = std::clamp(out[k], -sensor.cutoff, sensor.cutoff);
   }
-  impl_->lastTime = world.time();
+  here.lastTime = world.time();
+}
+
+void Sensors::Impl::finish(std::size_t site, std::span<const RayHit> hits) {
+  for (std::size_t i = 0, next = 0; next < hits.size(); ++i) {
+    const SensorDef& sensor = definitions[i];
+    if (sensor.type != SensorType::Range) continue;
+    const RayHit& hit = hits[next++];
+    const double distance = hit.hit ? hit.distance : -1;
+    *valuesAt(site, i) = sensor.cutoff > 0 ? std::clamp(distance, -sensor.cutoff, sensor.cutoff) : distance;
+  }
 }
 
 Vec3 Sensors::Impl::jointLoad(const World& world, const Own& state, const FrameMotion& at, bool turns) const {
@@ -226,7 +333,8 @@ Vec3 Sensors::Impl::jointLoad(const World& world, const Own& state, const FrameM
   return sign * rotateInverse(at.orientation, load);
 }
 
-void Sensors::Impl::measure(World& world, const SensorDef& sensor, Own& state, double dt, double* out) const {
+void Sensors::Impl::measure(const World& world, const SensorDef& sensor, Own& state, double dt,
+                            std::optional<std::vector<ContactPoint>>& contacts, double* out) const {
   const auto put = [&](const Vec3& v) { out[0] = v.x, out[1] = v.y, out[2] = v.z; };
   const auto axis = [&] { return world.state(state.joint).axes[static_cast<std::size_t>(sensor.axis)]; };
   const FrameMotion at = motionOf(world, state.at);
@@ -274,8 +382,10 @@ void Sensors::Impl::measure(World& world, const SensorDef& sensor, Own& state, d
       break;
     case SensorType::Touch: {
       double sum = 0;
+      if (!contacts) contacts = world.contacts();
       if (state.at.body != BodyId{})
-        for (const ContactPoint& point : world.contactsOf(state.at.body)) {
+        for (const ContactPoint& point : *contacts) {
+          if (point.a != state.at.body && point.b != state.at.body) continue;
           // the normal points from A to B, the ray toward this body
           const Vec3 toward = (point.b == state.at.body ? 1. : -1.) * point.normal;
           if (meets(sensor.volume, rotateInverse(at.orientation, point.position - at.position),
@@ -285,14 +395,8 @@ void Sensors::Impl::measure(World& world, const SensorDef& sensor, Own& state, d
       out[0] = sum;
       break;
     }
-    case SensorType::Range: {
-      RayQuery ray;
-      ray.origin = at.position, ray.direction = rotate(at.orientation, Vec3{0, 0, 1});
-      ray.filter.ignore = state.at.body;
-      const RayHit hit = world.castRay(ray);
-      out[0] = hit.hit ? hit.distance : -1;
+    case SensorType::Range:  // by finish()
       break;
-    }
     case SensorType::JointPosition:
       out[0] = sensor.scale * axis().position + sensor.offset;
       break;

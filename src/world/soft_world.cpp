@@ -59,7 +59,7 @@ DeformableId World::Impl::addSoft(const Deformable& def, const Path& path) {
   return registry.softs.add(std::move(record));
 }
 
-void World::Impl::redefine(DeformableId id, const Deformable& def) {
+SoftRecord World::Impl::redefined(DeformableId id, const Deformable& def) const {
   requireAlive(id);
   const SoftRecord& old = registry.softs[id];
   const auto same = [](bool is, const char* field, const std::string& wanted, const std::string& got) {
@@ -74,8 +74,14 @@ void World::Impl::redefine(DeformableId id, const Deformable& def) {
   SoftRecord record = old;
   record.def = def, record.model = cookDeformable(def, "deformable");
   if (record.range.vertex >= 0 && !record.before) record.before = old.model;
+  return record;
+}
+
+void World::Impl::redefine(DeformableId id, const Deformable& def) { apply(id, redefined(id, def)); }
+
+void World::Impl::apply(DeformableId id, SoftRecord record) {
   registry.softs.prepare(0);
-  record.surface = placeMaterial(now.material);
+  record.surface = placeMaterial(common(record.def).material);
   registry.softs.edit(id) = std::move(record);
   softChanged = true;
 }
@@ -100,15 +106,20 @@ void World::Impl::removeSoft(DeformableId id) {
   softChanged = true;
 }
 
+void checkNumbers(const AttachmentDef& def, const Path& path) {
+  if (!(def.stiffness > 0))
+    throw Error(path + ".stiffness", "a number above 0 or infinity", std::to_string(def.stiffness));
+  if (!(def.breakForce > 0))
+    throw Error(path + ".breakForce", "a number above 0 or infinity", std::to_string(def.breakForce));
+  if (def.anchor) checks::finite(*def.anchor, path + ".anchor");
+}
+
 AttachmentId World::Impl::addAttachment(const AttachmentDef& def, DeformableId object, BodyId body,
                                         DeformableId other, const Path& path) {
   requireAlive(object);
   if (body.index >= 0) requireAlive(body);
   if (other.index >= 0) requireAlive(other);
-  if (!(def.stiffness > 0))
-    throw Error(path + ".stiffness", "a number above 0 or infinity", std::to_string(def.stiffness));
-  if (!(def.breakForce > 0))
-    throw Error(path + ".breakForce", "a number above 0 or infinity", std::to_string(def.breakForce));
+  checkNumbers(def, path);
   AttachmentRecord record{def, object, other, body, {}, registry.softOrder, -1};
   const auto countOf = [&](DeformableId id) { return int(registry.softs[id].model->vertices.size()); };
   record.def.weights = sideWeights(def.vertices, def.weights, countOf(object), path + ".vertices");

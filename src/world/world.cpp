@@ -252,7 +252,7 @@ Snapshot World::snapshot() const {
     impl_->flush();
     auto data = std::make_shared<Snapshot::Data>(
         Snapshot::Data{impl_->registry, impl_->params, impl_->doublePrecision, impl_->engine->snapshot()});
-    data->registry.actuators = impl_->actuatorValues();
+    data->registry.actuators = impl_->actuatorValues(&data->registry.actuatorDefinitions);
     return Snapshot{std::move(data)};
   });
   impl_->pass(inputs::TakeSnapshot{out});
@@ -277,8 +277,8 @@ void World::Impl::restoreRecords(Registry&& from, const Params& own) {
   registry = std::move(from);
   // rules are no part of the state of the engine
   if (ruled) engine->apply(surfacesEdit(registry.surfaces, registry.materialPairs));
-  setActuatorValues(registry.actuators);
-  registry.actuators.clear();
+  setActuatorValues(registry.actuators, registry.actuatorDefinitions);
+  registry.actuators.clear(), registry.actuatorDefinitions.clear();
   jointRowsChanged = true;
   if (!inBatch) params = own;
   ++epoch;

@@ -7,6 +7,7 @@
 #include <span>
 #include <unordered_map>
 
+#include <rubble/actuators.h>
 #include <rubble/events.h>
 
 #include "backend/engine.h"
@@ -45,6 +46,14 @@ inline constexpr int kMostThreads = 1024;
 
 /// Throws Error with the path of a value that is not finite, or of an invalid rotation.
 void validate(const BodyState& state, const Path& path);
+
+/// Throws Error for a stiffness, a threshold or an anchor that cannot be.
+void checkNumbers(const AttachmentDef& def, const Path& path);
+
+struct BodyChange;
+
+/// Definitions of actuators in one world.
+using ActuatorList = std::shared_ptr<const std::vector<ActuatorDef>>;
 
 struct JointRecord {
   JointDef def;
@@ -133,12 +142,15 @@ struct Registry {
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;
-  /// In snapshots: controls and then activations of each of World::Impl::actuators.
+  /// In snapshots: controls and then activations of each of World::Impl::actuators, and their definitions.
   std::vector<std::vector<double>> actuators;
+  std::vector<ActuatorList> actuatorDefinitions;
 };
 
 /// Controls and activations of rubble::Actuators. Shape: worlds x actuators.
 struct ActuatorState {
+  ActuatorList first;                                   ///< definitions at the beginning
+  std::vector<ActuatorList> definitions;                ///< of each world, the first ones until they differ
   std::vector<double> firstControls, firstActivations;  ///< of one world, at the beginning
   std::vector<double> controls, activations;
 };
@@ -205,8 +217,9 @@ struct World::Impl {
   void finishStep(const StepReport& taken, std::vector<JointId>& broken, std::size_t first);
   void addActuators(const std::shared_ptr<ActuatorState>& state, std::size_t world);
   /// What a snapshot has of them, and back.
-  std::vector<std::vector<double>> actuatorValues() const;
-  void setActuatorValues(const std::vector<std::vector<double>>& values);
+  std::vector<std::vector<double>> actuatorValues(std::vector<ActuatorList>* definitions) const;
+  void setActuatorValues(const std::vector<std::vector<double>>& values,
+                         const std::vector<ActuatorList>& definitions);
   /// Takes over everything of a snapshot but the state of its engine.
   void restoreRecords(Registry&& from, const Params& own);
   /// Adds valid bodies, or none: an Error names that of `list` which cannot be made.
@@ -214,6 +227,10 @@ struct World::Impl {
   JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB);
   /// Redefines a body: as World::setDefinition.
   void redefine(BodyId id, BodyDef def);
+  // The two halves of it, and likewise of joints and deformable objects: the first one throws Error for a
+  // definition that cannot be and edits nothing.
+  BodyChange redefined(BodyId id, BodyDef def);
+  void apply(BodyChange&& change);
   /// Redefines a body whose definition is changed by edit(BodyDef&).
   template <class Edit> void editBody(const char* call, BodyId id, Edit&& edit) {
     withMemory(call, [&] {
@@ -227,6 +244,8 @@ struct World::Impl {
   EngineJoint changedJoint(const JointRecord& record, const JointDef& def) const;
   /// Redefines a joint, with the same type.
   void redefine(JointId id, const JointDef& def);
+  EngineJoint redefined(JointId id, const JointDef& def) const;
+  void apply(JointId id, JointDef def, EngineJoint joint);
   /// Tells the engine what the rows of joint arrays are, if that has changed.
   void sendJointRows();
   /// Redefines a joint whose axis is changed by edit(JointAxis&).
@@ -277,6 +296,8 @@ struct World::Impl {
                      std::span<const RayQuery> rays, std::span<RayHit> hits);
   /// Redefines an object: as World::setDefinition.
   void redefine(DeformableId id, const Deformable& def);
+  SoftRecord redefined(DeformableId id, const Deformable& def) const;
+  void apply(DeformableId id, SoftRecord record);
   void removeAttachment(AttachmentId id);
   void requireAlive(DeformableId id) const;
   void requireAlive(AttachmentId id) const;

@@ -50,6 +50,14 @@ void accumulate(WorldsReport& to, const WorldsReport& from) {
 
 }  // namespace
 
+void Worlds::Impl::requireDistinct(std::span<const int> some) const {
+  std::vector<int> sorted(some.begin(), some.end());
+  std::ranges::sort(sorted);
+  for (const int world : sorted) requireWorld(world);
+  if (std::ranges::adjacent_find(sorted) != sorted.end())
+    throw Error("worlds", "each world once", "one of them twice");
+}
+
 WorldsReport Worlds::Impl::step(std::size_t batch, int steps, std::span<const char> active) {
   const int first = static_cast<int>(batch) * perBatch, size = batches[batch]->count();
   std::vector<char> paused;
@@ -97,6 +105,7 @@ int Worlds::addCopies(const Scene& scene, int count) {
     world->cooked = impl_->cooked, world->inBatch = true;
     World::Impl& built = *world;
     impl_->worlds.push_back(World(std::move(world)));
+    impl_->random.push_back(Impl::firstRandomState(impl_->seed, first + k));
     built.build(scene);
   }
   return first;
@@ -152,10 +161,7 @@ void Worlds::reset(std::span<const int> worlds, std::span<const Snapshot> snapsh
   if (snapshots.size() != 1 && snapshots.size() != worlds.size())
     throw Error("snapshots", "one, or as many as worlds, " + std::to_string(worlds.size()),
                 std::to_string(snapshots.size()));
-  std::vector<int> sorted(worlds.begin(), worlds.end());
-  std::ranges::sort(sorted);
-  if (std::ranges::adjacent_find(sorted) != sorted.end())
-    throw Error("worlds", "each world once", "one of them twice");
+  impl_->requireDistinct(worlds);
   struct Changes {
     std::vector<int> worlds;  ///< in their batch
     std::vector<const WorldSnapshot*> states;
@@ -165,7 +171,6 @@ void Worlds::reset(std::span<const int> worlds, std::span<const Snapshot> snapsh
     return snapshots[snapshots.size() == 1 ? 0 : k];
   };
   for (std::size_t k = 0; k < worlds.size(); ++k) {
-    impl_->requireWorld(worlds[k]);
     const Snapshot& snapshot = snapshotOf(k);
     if (!snapshot.data) throw Error("snapshots", "those made by World::snapshot", "an empty one");
     Changes& own = changes[static_cast<std::size_t>(worlds[k] / impl_->perBatch)];
@@ -175,6 +180,8 @@ void Worlds::reset(std::span<const int> worlds, std::span<const Snapshot> snapsh
   for (std::size_t k = 0; k < worlds.size(); ++k) {
     Registry registry = snapshotOf(k).data->registry;
     impl_->at(worlds[k]).restoreRecords(std::move(registry), snapshotOf(k).data->params);
+    RandomState& random = impl_->random[static_cast<std::size_t>(worlds[k])];
+    ++random.episode, random.drawn = 0;
   }
   impl_->forEachBatch([&](std::size_t k) {
     if (!changes[k].worlds.empty()) impl_->batches[k]->restore(changes[k].worlds, changes[k].states);

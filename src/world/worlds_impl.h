@@ -31,6 +31,8 @@ struct Worlds::Impl {
   std::shared_ptr<CookedShapes> cooked = std::make_shared<CookedShapes>();
   std::shared_ptr<const int> family = std::make_shared<const int>();
   IdleCalls idle;
+  std::uint64_t seed = 0;           ///< of worlds that are added
+  std::vector<RandomState> random;  ///< of each world
   // of all batches
   std::vector<std::byte> arrays[static_cast<int>(StateArray::Torque) + 1],
       axes[static_cast<int>(JointArray::AppliedForce) + 1],
@@ -42,6 +44,10 @@ struct Worlds::Impl {
     if (world < 0 || world >= count())
       throw Error("world", "a number below " + std::to_string(count()), std::to_string(world));
   }
+  /// Throws Error unless all of them are there and differ.
+  void requireDistinct(std::span<const int> some) const;
+  /// Of a world that has drawn nothing.
+  static RandomState firstRandomState(std::uint64_t seed, int world);
   Batch& batchOf(int world) { return *batches[static_cast<std::size_t>(world / perBatch)]; }
   static World::Impl& of(const World& world) { return *world.impl_; }
   World::Impl& at(int world) { return *worlds[static_cast<std::size_t>(world)].impl_; }

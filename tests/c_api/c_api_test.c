@@ -331,6 +331,31 @@ static void aRegistrySceneIsJudged(void) {
   rb_run_destroy(run);
 }
 
+static void sensorsOfASceneMeasureManyWorlds(void) {
+  const char* const kSensor = "{\"type\": \"position\", \"body\": \"crate\"}";
+  const char* const kBody = "{\"name\": \"crate\", \"shape\": {\"type\": \"sphere\", \"radius\": 1}}";
+  const double place[3] = {1, 2, 3}, *values = NULL;
+  const uint8_t active[2] = {0, 1};
+  const int32_t second = 1;
+  int64_t count = 0;
+  rb_scene* scene = NULL;
+  rb_worlds* worlds = NULL;
+  rb_sensors* sensors = NULL;
+  CHECK(rb_scene_create(&scene) == RB_OK);
+  CHECK(rb_scene_add(scene, "bodies", kBody, NULL) == RB_OK);
+  CHECK(rb_scene_add(scene, "sensors", kSensor, NULL) == RB_OK);
+  CHECK(rb_worlds_create("{\"threads\": 1}", &worlds) == RB_OK);
+  CHECK(rb_worlds_add(worlds, scene, 2, NULL) == RB_OK);
+  CHECK(rb_sensors_create_in(scene, worlds, 0, 3, &sensors) == RB_INVALID);
+  CHECK(rb_sensors_create_in(scene, worlds, 0, -1, &sensors) == RB_OK);
+  CHECK(rb_worlds_set_values(worlds, "bodies.crate.position", &second, 1, place, 3) == RB_OK);
+  CHECK(rb_sensors_update_in(sensors, active, &values, &count) == RB_OK && count == 6);
+  CHECK(values[0] == 0 && values[3] == 1 && values[5] == 3);
+  rb_sensors_destroy(sensors);
+  rb_worlds_destroy(worlds);
+  rb_scene_destroy(scene);
+}
+
 static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
   rb_scene* scene = NULL;
   rb_worlds* worlds = NULL;
@@ -338,7 +363,11 @@ static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
   rb_ray ray;
   rb_hit hit;
   const int32_t row = 1, second = 1;
-  const double force = 5, mass = 3;
+  const double force = 5, mass = 3, *found = NULL;
+  double drawn[2], again = 0;
+  const int32_t third = 2;
+  int64_t count = 0, episode = 0, at = 0;
+  uint64_t seed = 0;
   int32_t first = 0;
   CHECK(rb_scene_build("cart-pole", "{\"lean\": 0.1}", &scene) == RB_OK);
   CHECK(rb_worlds_create("{\"threads\": 1}", &worlds) == RB_OK);
@@ -356,6 +385,13 @@ static void arraysOfJointsAndSensorsHaveRowsOfAllWorlds(void) {
   CHECK(rb_worlds_scatter_joints(worlds, RB_JOINT_APPLIED_FORCE, &rows, &values) == RB_OK);
   CHECK(rb_worlds_set_values(worlds, "bodies.pole.mass", &second, 1, &mass, 1) == RB_OK);
   CHECK(rb_worlds_set_values(worlds, "bodies.pole.weight", &second, 1, &mass, 1) == RB_INVALID);
+  CHECK(rb_worlds_values(worlds, "bodies.pole.mass", &second, 1, &found, &count) == RB_OK);
+  CHECK(count == 1 && found[0] == mass);
+  CHECK(rb_worlds_set_seed(worlds, 4, NULL, 0) == RB_OK);
+  CHECK(rb_worlds_uniform(worlds, &second, 1, 2, 0, 1, drawn) == RB_OK);
+  CHECK(rb_worlds_random_state(worlds, 1, &seed, &episode, &at) == RB_OK && episode == 0 && at == 2);
+  CHECK(rb_worlds_set_random_state(worlds, 2, seed, 0, 1) == RB_OK);
+  CHECK(rb_worlds_uniform(worlds, &third, 1, 1, 0, 1, &again) == RB_OK && again == drawn[1]);
   ray = (rb_ray){{0, 0, -5}, {0, 0, 1}, 50, RB_FILTER_ALL};
   CHECK(rb_worlds_cast_rays(worlds, &second, &ray, 1, &hit) == RB_OK && hit.hit == 1);
   rb_worlds_destroy(worlds);
@@ -367,6 +403,7 @@ int main(void) {
   anInvalidBodyIsNamedAndLeavesTheSceneAsItWas();
   aWorldOfManyStaysWhereItIsLeftOut();
   arraysOfJointsAndSensorsHaveRowsOfAllWorlds();
+  sensorsOfASceneMeasureManyWorlds();
   noCallDiesOfANullPointer();
   aCrateFallsAndRests();
   anArrayIsATensorThatKeepsItsWorld();

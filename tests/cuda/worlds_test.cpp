@@ -3,6 +3,7 @@
 
 #include "tests/cuda/cuda_test.h"
 #include "tests/support/array_claims.h"
+#include "tests/support/sensor_claims.h"
 
 namespace rubble::test {
 namespace {
@@ -64,6 +65,9 @@ TEST_F(CudaWorlds, VerticesOfManyWorldsAreThoseOfEachAlone) {
   expectVertexArrays(worldsOptions("cuda"), 6, copyOfDevice);
 }
 TEST_F(CudaWorlds, ForcesAlongAxesActOnBothBodies) { expectForcesAlongAxes(worldsOptions("cuda")); }
+TEST_F(CudaWorlds, SensorsOfASceneReadInEachWorldWhatTheyReadAlone) {
+  expectSensorsAlone(worldsOptions("cuda"), 35);
+}
 TEST_F(CudaWorlds, RaysInManyWorldsHitWhatThoseOfEachHit) {
   expectRays(rigid(640, 5), worldsOptions("cuda"), 20);
 }

@@ -109,6 +109,25 @@ class DeviceArrays(Case):
             self.assertNear(cuda, cpu, 1e-4)
 
 
+    def test_values_and_sensors_of_many_worlds_are_those_of_the_cpu(self):
+        scene = crate_scene()
+        scene.add_joint("hinge", "crate", name="hip", anchor=(1, 0, 2), axis=(0, 1, 0))
+        for kind in ("acceleration", "angular_rate", "position", "range", "touch"):
+            scene.add_sensor(kind, body="crate", name=kind)
+        scene.add_sensor("force", body="crate", joint=0)
+        found = []
+        for backend in ("cpu", "cuda"):
+            worlds = rubble.Worlds(scene, 3, backend=backend)
+            worlds.set_values("bodies.crate.mass", [1, 2, 3])
+            worlds.set_values("joints.hip.axes.0.drive_stiffness", [0, 10, 20])
+            worlds.set_values("bodies.crate.angular_velocity", [(0, 1, 0)], worlds=[1])
+            sensors = rubble.Sensors(scene, worlds)
+            for _ in range(10):
+                worlds.step()
+                sensors.update()
+            found.append(sensors.values)
+        np.testing.assert_allclose(found[1], found[0], rtol=1e-2, atol=1e-2)
+
     def test_arrays_say_what_they_are(self):
         worlds = rubble.Worlds(crate_scene(), 2, backend="cuda")
         array = worlds.array("position")

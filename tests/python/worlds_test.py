@@ -143,6 +143,77 @@ class ManyWorlds(Case):
         self.assertEqual(heights[0], 2)
         self.assertEqual(heights[1], heights[2])
 
+    def test_values_of_all_kinds_are_set_and_read(self):
+        scene = crate_scene(name="left.crate", material={"friction": 0.5, "name": "wood"})
+        scene.add_deformable(rubble.straight_cable((3, 0, 4), (4, 0, 4), 4), name="rope")
+        worlds = rubble.Worlds(scene, 3, threads=1)
+        mask = np.array([True, False, True])
+        for key, values in (("gravity", [(0, 0, -1), (0, 1, 0)]), ('bodies["left.crate"].mass', [3, 4]),
+                            ("bodies[1].material.friction", [0.25, 0.75]), ("materials.wood.restitution", [0, 1]),
+                            ("deformables.rope.density", [500, 700])):
+            with self.subTest(key):
+                before = worlds.values(key, [1])
+                worlds.set_values(key, values, worlds=mask)
+                self.assertNear(worlds.values(key, mask), values)
+                self.assertNear(worlds.values(key)[1], before[0])
+        worlds.set_values('bodies["left.crate"].position', [(1, 2, 3)], worlds=[2])
+        self.assertNear(worlds[2].bodies["left.crate"].position, (1, 2, 3), 1e-6)
+
+    def test_values_change_in_all_worlds_or_in_none(self):
+        worlds = crates(3)
+        error = self.assertInvalid("worlds[2].body.mass",
+                                   lambda: worlds.set_values("bodies.crate.mass", [1, 2, -3]))
+        self.assertEqual(error.found, "-3")
+        self.assertNear(worlds.values("bodies.crate.mass"), [2, 2, 2])
+        self.assertInvalid("path", lambda: worlds.set_values("dt", [1, 2, 3]))
+        self.assertInvalid("values", lambda: worlds.set_values("gravity", [1, 2]))
+
+    def test_random_numbers_of_a_world_are_its_own(self):
+        few, many = crates(2), crates(9)
+        few.set_seed(3), many.set_seed(3)
+        first = few.uniform([1], 4)
+        np.testing.assert_array_equal(first, many.uniform([5, 1], 4)[1:])
+        self.assertEqual(few.uniform(count=2, low=5, high=6).shape, (2, 2))
+        start, other = few[0].snapshot(), many[0].snapshot()
+        few.reset([0, 1], start), many.reset([1], other), many.reset([4], other)
+        np.testing.assert_array_equal(few.uniform([1], 3), many.uniform([1], 3))
+        self.assertEqual(few.random_state(1)[1:], (1, 3))
+        many.set_random_state(7, few.random_state(1))
+        np.testing.assert_array_equal(few.uniform([1], 3), many.uniform([7], 3))
+        few.set_seed(3, [1])
+        np.testing.assert_array_equal(few.uniform([1], 4), first)
+
+    def test_sensors_of_a_scene_have_the_readings_of_each_world(self):
+        scene = crate_scene()
+        scene.add_joint("hinge", "crate", anchor=(1, 0, 2), axis=(0, 1, 0))
+        scene.add_body(rubble.sphere(0.5), name="ball", position=(5, 0, 0.5))
+        for kind in ("acceleration", "angular_rate", "position", "range"):
+            scene.add_sensor(kind, body="crate", name=kind)
+        scene.add_sensor("force", body="crate", joint=0)
+        scene.add_sensor("touch", body="ball", name="foot", volume=rubble.sphere(0.6))
+        worlds = rubble.Worlds(scene, 3, threads=1)
+        alone = [rubble.World(scene, threads=1) for _ in range(3)]
+        for w, world in enumerate(alone):
+            for own in (world, worlds[w]):
+                own.bodies["crate"].velocity = (0, 0, w)
+        sensors, single = rubble.Sensors(scene, worlds), [rubble.Sensors(scene, world) for world in alone]
+        for _ in range(5):
+            worlds.step()
+            sensors.update()
+            for world, own in zip(alone, single):
+                world.step()
+                own.update()
+        np.testing.assert_array_equal(sensors.values, [own.values for own in single])
+        self.assertEqual(sensors["position"].shape, (3, 3))
+        self.assertEqual(sensors.of_type("touch").shape, (3, 1, 1))
+        self.assertGreater(sensors["foot"].min(), 1)
+        before = sensors.values
+        worlds.step()
+        sensors.update(active=[False, True, False])
+        self.assertEqual([(a == b).all() for a, b in zip(before, sensors.values)], [True, False, True])
+        self.assertInvalid("active", lambda: sensors.update(active=[True]))
+        self.assertInvalid("type", lambda: sensors.of_type("velocity"))
+
     def test_worlds_differ_and_outlive_their_batch(self):
         worlds = crates(1)
         self.assertEqual(worlds.add(rubble.Scene(gravity=(0, 0, 0)), 2), 1)

@@ -63,11 +63,39 @@ RB_API rb_status rb_actuators_create_in(const rb_scene* scene, rb_worlds* worlds
 /// As rb_actuators_apply(), in the worlds whose element of `active` (one for each of the batch, or null: all)
 /// is not 0.
 RB_API rb_status rb_actuators_apply_in(rb_actuators* actuators, const uint8_t* active);
-/// Sets an authored value in many worlds. `key`: "gravity", or "bodies.NAME.KEY" or "joints.NAME.KEY" with
-/// keys of scene files: "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness". World
-/// numbers[k] receives values[k * width] to values[k * width + width - 1], a number if width is 1.
+/// As rb_sensors_create(), in `count` worlds of that scene from world `first` on; -1: up to the last one. The
+/// numbers of rb_sensors_update() are those of all sensors of the first world, then those of the next one.
+RB_API rb_status rb_sensors_create_in(const rb_scene* scene, rb_worlds* worlds, int32_t first, int32_t count,
+                                      rb_sensors** sensors);
+/// As rb_sensors_update(), in the worlds whose element of `active` (one for each of the batch, or null: all)
+/// is not 0. The others keep their readings.
+RB_API rb_status rb_sensors_update_in(rb_sensors* sensors, const uint8_t* active, const double** values,
+                                      int64_t* count);
+/// Sets an authored value in `count` distinct worlds. `key`: a list, a name and keys of scene files:
+/// "gravity", "bodies.cart.material.friction", "joints.hip.axes.0.drive_stiffness",
+/// "deformables.rope.density", "attachments.tip.stiffness", "actuators.motor.gain", "materials.ice.friction",
+/// "material_pairs.ice.steel.friction". A name with a dot is in brackets and quotes: "bodies[\"a.b\"].mass";
+/// a number in brackets is a place among those alive: "bodies[3].mass". World numbers[k] receives
+/// values[k * width] to values[k * width + width - 1]. All worlds are checked first: an error changes
+/// nothing.
 RB_API rb_status rb_worlds_set_values(rb_worlds* worlds, const char* key, const int32_t* numbers,
                                       int64_t count, const double* values, int32_t width);
+/// The present values, world after world. Valid until the next call.
+RB_API rb_status rb_worlds_values(rb_worlds* worlds, const char* key, const int32_t* numbers, int64_t count,
+                                  const double** values, int64_t* value_count);
+/// Gives each of these worlds a seed made of `seed` and its number, and begins with episode 0 of its random
+/// numbers. `numbers` null: all worlds, and those that are added later.
+RB_API rb_status rb_worlds_set_seed(rb_worlds* worlds, uint64_t seed, const int32_t* numbers, int64_t count);
+/// Where the random numbers of a world stand: its seed, its resets since the seed was set, and the numbers
+/// drawn since the last of these.
+RB_API rb_status rb_worlds_random_state(const rb_worlds* worlds, int32_t number, uint64_t* seed,
+                                        int64_t* episode, int64_t* drawn);
+RB_API rb_status rb_worlds_set_random_state(rb_worlds* worlds, int32_t number, uint64_t seed, int64_t episode,
+                                            int64_t drawn);
+/// Writes the next `each` random numbers of `count` distinct worlds, uniform from `low` to below `high`,
+/// world after world.
+RB_API rb_status rb_worlds_uniform(rb_worlds* worlds, const int32_t* numbers, int64_t count, int32_t each,
+                                   double low, double high, double* values);
 /// Memory of the tables of the engine [bytes].
 RB_API int64_t rb_worlds_memory_bytes(const rb_worlds* worlds);
 

@@ -9,7 +9,6 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from .. import Scene, Snapshot, Worlds
-from ._random import uniform
 
 
 class WorldsEnv(VectorEnv):
@@ -58,8 +57,7 @@ class WorldsEnv(VectorEnv):
         self._body_count = len(self.worlds.rows(0))
         self._axis_count = len(self.worlds[0].axes())
         self._starts: Optional[Snapshot] = None
-        self._seeds = 0
-        self._episodes = np.full(num_envs, -1, np.int64)
+        self._seeded = np.zeros(num_envs, bool)
         self._steps = np.zeros(num_envs, np.int64)
         self._ended = np.zeros(num_envs, bool)
 
@@ -87,8 +85,8 @@ class WorldsEnv(VectorEnv):
     # What it may use.
 
     def draw(self, worlds: np.ndarray, count: int, low: float = -1, high: float = 1) -> np.ndarray:
-        """Random numbers (n, count) of the present episodes of n worlds: see `rubble.gym.uniform`."""
-        return uniform(self._seeds, worlds, self._episodes[worlds], count, low, high)
+        """The next random numbers (n, count) of the present episodes of n worlds: `rubble.Worlds.uniform`."""
+        return self.worlds.uniform(worlds, count, low, high)
 
     def states(self, name: str, body: Optional[str] = None) -> np.ndarray:
         """`rubble.Worlds.array` as (num_envs, bodies, numbers), or of one body as (num_envs, numbers)."""
@@ -144,9 +142,7 @@ class WorldsEnv(VectorEnv):
             raise ValueError(f"reset_mask: expected shape ({self.num_envs},), got {mask.shape}")
         if seed is not None:
             super().reset(seed=seed)
-            self._seeds = seed
-            self._episodes[mask] = -1
-        self._begin(np.flatnonzero(mask))
+        self._begin(np.flatnonzero(mask), seed)
         return self._observations(), {}
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict]:
@@ -184,15 +180,18 @@ class WorldsEnv(VectorEnv):
     def _observations(self) -> np.ndarray:
         return self._observe().astype(self.single_observation_space.dtype)
 
-    def _begin(self, worlds: np.ndarray) -> None:
-        """Begins the next episode in these worlds."""
+    def _begin(self, worlds: np.ndarray, seed: Optional[int] = None) -> None:
+        """Begins the next episode in these worlds, or episode 0 of a seed."""
         if self._starts is None:
             self._starts = self.worlds[0].snapshot()
         if not len(worlds):
             return
-        self._episodes[worlds] += 1
         self._steps[worlds], self._ended[worlds] = 0, False
         self.worlds.reset(worlds, self._starts)
+        fresh = worlds if seed is not None else worlds[~self._seeded[worlds]]
+        if len(fresh):
+            self.worlds.set_seed(seed or 0, fresh)
+            self._seeded[fresh] = True
         self._start(worlds)
 
 
