@@ -276,10 +276,10 @@ void Sensors::Impl::measure(World& world, const SensorDef& sensor, Own& state, d
       double sum = 0;
       if (state.at.body != BodyId{})
         for (const ContactPoint& point : world.contactsOf(state.at.body)) {
-          // the normal points from A to B, the ray toward this body
-          const Vec3 toward = (point.b == state.at.body ? 1. : -1.) * point.normal;
+          // the normal points from A to B, the ray out of this body
+          const Vec3 outward = (point.b == state.at.body ? -1. : 1.) * point.normal;
           if (meets(sensor.volume, rotateInverse(at.orientation, point.position - at.position),
-                    rotateInverse(at.orientation, toward)))
+                    rotateInverse(at.orientation, outward)))
             sum += std::fabs(dot(point.force, point.normal));
         }
       out[0] = sum;
