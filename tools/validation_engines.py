@@ -1,7 +1,7 @@
 """Comparisons of the validation book with a trusted engine: the same model, and readings of the same sensors.
 
 A model is an MJCF file of docs/validation/models/ with sensors. What the engine reads is kept in
-docs/validation/references/ with its name, version and settings, so that the book is made without the engine."""
+docs/validation/references/ with its name, version and settings: the book is made without the engine."""
 import csv
 import json
 import pathlib
@@ -31,9 +31,9 @@ def readings(rubble, backend, path, key, steps, options, timeout):
         scene, table = pathlib.Path(folder) / "model.json", pathlib.Path(folder) / "readings.csv"
         command = [rubble, "import", str(path), "-q", "-o", str(scene)] + (["--key", key] if key else [])
         subprocess.run(command, capture_output=True, check=True)
-        done = subprocess.run([rubble, "run", str(scene), "--backend", backend, "--threads", "1", "--no-stages",
-                               "-q", "--json", "-", "--steps", str(steps), "--sensors", str(table), *options],
-                              capture_output=True, text=True, timeout=timeout)
+        command = [rubble, "run", str(scene), "--backend", backend, "--threads", "1", "--no-stages", "-q",
+                   "--json", "-", "--steps", str(steps), "--sensors", str(table), *options]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
         if done.returncode not in (0, 1):
             raise RuntimeError(f"{path.name}: {done.stderr.strip()}")
         with table.open(encoding="utf-8") as lines:
@@ -70,13 +70,15 @@ def error(entry, known, own, rate):
 def measure(root, rubble, backend, entry, iterations, rate, timeout):
     known = reference(root, entry)
     own, report = readings(rubble, backend, model_path(root, entry), entry.get("key"),
-                           round(known["seconds"] * rate), ["-i", str(iterations), "--dt", repr(1 / rate)], timeout)
-    return {**report, "verdict": {"claims": [{"metric": entry["metric"], "min": None, "max": entry["at_most"],
-                                              "value": error(entry, known, own, rate)}]}}
+                           round(known["seconds"] * rate),
+                           ["-i", str(iterations), "--dt", repr(1 / rate)], timeout)
+    claim = {"metric": entry["metric"], "value": error(entry, known, own, rate), "min": None,
+             "max": entry["at_most"]}
+    return {**report, "verdict": {"claims": [claim]}}
 
 
 def record(root, entry):
-    """Runs the model in MuJoCo: small steps, the integrator RK4, and constraints as hard as its step allows."""
+    """Runs the model in MuJoCo: small steps, the integrator RK4, constraints as hard as its step allows."""
     import mujoco
     step = 1 / entry.get("reference_rate", 10000)
     model = mujoco.MjModel.from_xml_path(str(model_path(root, entry)))
@@ -99,7 +101,8 @@ def record(root, entry):
     path = reference_path(root, entry)
     path.parent.mkdir(parents=True, exist_ok=True)
     content = {"engine": f"MuJoCo {mujoco.__version__}",
-               "settings": f"time step 1/{round(1 / step)} s, RK4, solref {hardness[0]:.3g} {hardness[1]}, solimp {width}",
+               "settings": f"time step 1/{round(1 / step)} s, RK4, "
+                           f"solref {hardness[0]:.3g} {hardness[1]}, solimp {width}",
                "seconds": entry["seconds"], "interval": INTERVAL}
     lines = [f'"{name}": {json.dumps(value)},' for name, value in content.items()]
     rows = [f'"{name}": [\n' + ",\n".join(map(json.dumps, values)) + "\n]" for name, values in found.items()]

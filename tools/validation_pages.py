@@ -85,11 +85,13 @@ def draw(pyplot, entry, figures, path):
     if over_rate:
         ticks, lines = lines, ticks
     for index, line in enumerate(lines):
-        cells = [(tick, figures.claim(entry, *((line, tick) if over_rate else (tick, line)))) for tick in ticks]
+        settings = [(line, tick) if over_rate else (tick, line) for tick in ticks]
+        cells = zip(ticks, [figures.claim(entry, *each) for each in settings])
         points = [(tick, claim[0]) for tick, claim in cells if claim and claim[0] is not None]
         if points:
             label = f"{line} iterations" if over_rate else f"1/{line} s"
-            axes.plot(*zip(*points), marker="o", markersize=3, label=label, color=pyplot.cm.viridis(index / len(lines)))
+            axes.plot(*zip(*points), marker="o", markersize=3, label=label,
+                      color=pyplot.cm.viridis(index / len(lines)))
     rivals = [(name, value) for name, _, value in entry.get("rivals", []) if not isinstance(value, str)]
     if over_rate or rivals:
         axes.set_yscale("symlog", linthresh=1e-3)
@@ -100,7 +102,8 @@ def draw(pyplot, entry, figures, path):
     low, high = axes.get_ylim()
     if claim:
         _, least, most = claim
-        axes.axhspan(low if least is None else least, high if most is None else most, color="tab:green", alpha=0.12, lw=0)
+        axes.axhspan(low if least is None else least, high if most is None else most, color="tab:green",
+                     alpha=0.12, lw=0)
     if entry["target"] is not None:
         axes.axhline(entry["target"], color="tab:green", lw=1)
     axes.set_xscale("log", base=2)
@@ -121,7 +124,8 @@ def grid(entry, figures):
         cells = []
         for iterations in entry["iterations"]:
             claim = figures.claim(entry, iterations, rate)
-            cells.append(MISSING if not claim else shown(claim[0]) + (INSIDE if is_inside(claim) else OUTSIDE))
+            mark = INSIDE if not claim or is_inside(claim) else OUTSIDE
+            cells.append(shown(claim[0]) + mark if claim else MISSING)
         rows.append(f"| 1/{rate} s | " + " | ".join(cells) + " |")
     return rows
 
@@ -131,23 +135,27 @@ def others(book, entry):
     lines = []
     if "model" in entry:
         known = validation_engines.reference(book.root, entry)
-        lines += [f"Model: [`{entry['model']}.xml`](models/{entry['model']}.xml). Engine: {known['engine']}, "
-                  f"{known['settings']}; {known['seconds']} s in [its readings](references/{entry['model']}.json).", ""]
+        name = entry["model"]
+        lines += [f"Model: [`{name}.xml`](models/{name}.xml). Engine: {known['engine']}, "
+                  f"{known['settings']}; {known['seconds']} s in [its readings](references/{name}.json).", ""]
     if "reported" in entry:
         lines += [f"Reported in the paper: {entry['reported']}.", ""]
     if "rivals" in entry:
         lines += ["| engine | settings | figure |", "|---|---|---|",
-                  *(f"| {name} | {settings} | {shown(value)} |" for name, settings, value in entry["rivals"]), ""]
+                  *(f"| {name} | {settings} | {shown(value)} |" for name, settings, value in entry["rivals"]),
+                  ""]
     return lines
 
 
 def state_of(entry, claim):
-    return "holds" if is_inside(claim) else f"**does not hold**{': ' + entry['open'] if 'open' in entry else ''}"
+    why = f": {entry['open']}" if "open" in entry else ""
+    return "holds" if is_inside(claim) else f"**does not hold**{why}"
 
 
 def chapter_page(book, chapter, all_figures):
     lines = [f"# Validation: {chapter['title'].lower()}", "",
-             HEAD + "The settings of a scene are those that its verdict is stated for. Figures outside of the tolerance are marked;",
+             HEAD + "The settings of a scene are those that its verdict is stated for. "
+             "Figures outside of the tolerance are marked;",
              "at other settings the tolerance is a measure and not a promise.", "", *chapter.get("says", [])]
     lines += [""] if "says" in chapter else []
     for entry in chapter["entries"]:
@@ -167,7 +175,8 @@ def chapter_page(book, chapter, all_figures):
             else:
                 lines += [f"`{figures.backend}`: not measured.", ""]
         axis = "time steps" if "size" in entry else "iterations"
-        lines += [f"![{entry['metric']} over {axis}](images/{image_of(entry)}.svg)", "", *grid(entry, first), ""]
+        lines += [f"![{entry['metric']} over {axis}](images/{image_of(entry)}.svg)", "",
+                  *grid(entry, first), ""]
     if "left_out" in chapter:
         lines += ["## Not compared", "", "| what | why |", "|---|---|",
                   *(f"| {what} | {why} |" for what, why in chapter["left_out"]), ""]
@@ -176,25 +185,27 @@ def chapter_page(book, chapter, all_figures):
 
 def open_rows(book, all_figures):
     """[(backend, entry, claim)] of all rows out of their tolerance."""
-    return [(figures.backend, entry, figures.claim(entry)) for figures in all_figures for entry in book.entries()
-            if figures.claim(entry) and not is_inside(figures.claim(entry))]
+    return [(figures.backend, entry, figures.claim(entry)) for figures in all_figures
+            for entry in book.entries() if figures.claim(entry) and not is_inside(figures.claim(entry))]
 
 
 def index_page(book, pages, all_figures):
     lines = ["# Validation book", "",
              HEAD + "Each row compares a scene with a closed form, a converged run, an invariant, an exact",
-             "answer, a trusted engine or a figure of the method's paper. `./dev validation` runs all of them and writes these",
-             "pages; `rubble run SCENE` repeats one.", ""]
+             "answer, a trusted engine or a figure of the method's paper. `./dev validation` runs all of",
+             "them and writes these pages; `rubble run SCENE` repeats one.", ""]
     for figures in all_figures:
         lines += [f"`{figures.backend}`: {figures.builds(book.entries())}.", ""]
     names = " | ".join(f"`{figures.backend}`" for figures in all_figures)
     for chapter, page in pages:
-        lines += [f"## [{chapter['title']}]({page})", "", f"| scene | against | wanted | tolerance | {names} |",
+        lines += [f"## [{chapter['title']}]({page})", "",
+                  f"| scene | against | wanted | tolerance | {names} |",
                   "|---|---|---|---|" + "---|" * len(all_figures)]
         for entry in chapter["entries"]:
             claims = [figures.claim(entry) for figures in all_figures]
             known = next((claim for claim in claims if claim), None)
-            cells = [MISSING if not claim else ("" if is_inside(claim) else "**open** ") + shown(claim[0]) for claim in claims]
+            cells = [MISSING if not claim else ("" if is_inside(claim) else "**open** ") + shown(claim[0])
+                     for claim in claims]
             name, metric = label_of(entry).split(": ")
             lines.append(f"| `{name}`, {metric} | {entry['kind']} | {shown(entry['target'])} | "
                          f"{tolerance(known) if known else MISSING} | " + " | ".join(cells) + " |")
@@ -203,15 +214,15 @@ def index_page(book, pages, all_figures):
     found = open_rows(book, all_figures)
     if found:
         lines += ["| backend | scene | figure | tolerance | why |", "|---|---|---|---|---|",
-                  *(f"| `{backend}` | `{label_of(entry)}` | {shown(claim[0])} | {tolerance(claim)} | {entry.get('open', MISSING)} |"
-                    for backend, entry, claim in found), ""]
+                  *(f"| `{backend}` | `{label_of(entry)}` | {shown(claim[0])} | {tolerance(claim)} | "
+                    f"{entry.get('open', MISSING)} |" for backend, entry, claim in found), ""]
     else:
         lines += ["No figure is outside of its tolerance.", ""]
     for figures in all_figures:
         keys = {key for key in book.runs(None) if key not in figures.runs}
         if keys:
-            lines += [f"`{figures.backend}` has no figures of {len(keys)} runs: `./dev validation --backend {figures.backend} --missing`",
-                      "measures them.", ""]
+            lines += [f"`{figures.backend}` has no figures of {len(keys)} runs: "
+                      f"`./dev validation --backend {figures.backend} --missing`", "measures them.", ""]
     return "\n".join(lines)
 
 

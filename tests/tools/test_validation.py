@@ -1,5 +1,5 @@
-"""Claims about tools/make_validation: a run that is cut off loses no row, and goes on from there; a motion and
-forces at rest are compared with those of an engine, and a row that does not hold is listed as open."""
+"""Claims about tools/make_validation: a run that is cut off loses no row, and goes on from there. Motion and
+forces at rest are compared with those of another engine."""
 import json
 import pathlib
 import subprocess
