@@ -56,7 +56,7 @@ struct SensorDef {
   double scale = 1;           ///< joint axes: a reading is scale times the number plus offset
   double offset = 0;
   /// Touch: a sphere, box, capsule or cylinder in the frame. A contact counts if its point, or the line along
-  /// its normal toward the body, meets it.
+  /// its normal out of the body, meets it.
   Shape volume;
   double cutoff = 0;  ///< largest absolute value of each number; 0: none
 };

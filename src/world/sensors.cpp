@@ -386,10 +386,10 @@ void Sensors::Impl::measure(const World& world, const SensorDef& sensor, Own& st
       if (state.at.body != BodyId{})
         for (const ContactPoint& point : *contacts) {
           if (point.a != state.at.body && point.b != state.at.body) continue;
-          // the normal points from A to B, the ray toward this body
-          const Vec3 toward = (point.b == state.at.body ? 1. : -1.) * point.normal;
+          // the normal points from A to B, the ray out of this body
+          const Vec3 outward = (point.b == state.at.body ? -1. : 1.) * point.normal;
           if (meets(sensor.volume, rotateInverse(at.orientation, point.position - at.position),
-                    rotateInverse(at.orientation, toward)))
+                    rotateInverse(at.orientation, outward)))
             sum += std::fabs(dot(point.force, point.normal));
         }
       out[0] = sum;

@@ -120,6 +120,20 @@ TEST(SensorsOfModels, TouchAndRangeMeasureWhatIsBelow) {
   EXPECT_EQ(readings["n"][0], -1) << "a ray upward meets nothing";
 }
 
+TEST(SensorsOfModels, TouchLeavesOutWhatIsOnTheFarSideOfItsBody) {
+  const Readings readings(
+      importText(
+          mjcf("<geom type='plane' size='5 5 .1'/>"
+               "<body name='b' pos='0 0 .1'><freejoint/><geom type='box' size='.1 .1 .1' mass='3'/>"
+               "<site name='pad' type='box' size='.1 .1 .02' pos='0 0 -.1'/>"
+               "<site name='lid' type='box' size='.1 .1 .02' pos='0 0 .1'/></body>"
+               "<body name='c' pos='0 0 .3'><freejoint/><geom type='box' size='.1 .1 .1' mass='2'/></body>",
+               "<sensor><touch name='p' site='pad'/><touch name='l' site='lid'/></sensor>")),
+      0.5);
+  EXPECT_NEAR(readings["p"][0], 5 * 9.81, 0.1);
+  EXPECT_NEAR(readings["l"][0], 2 * 9.81, 0.1);
+}
+
 TEST(SensorsOfModels, WhatIsNotMeasuredIsNamedWithItsLine) {
   const Import model = importText(mjcf("<body name='b'><joint name='j' type='ball'/><geom size='.1'/></body>",
                                        "<sensor>\n<ballquat name='q' joint='j'/></sensor>"));

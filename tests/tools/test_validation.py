@@ -1,4 +1,5 @@
-"""Claims about tools/make_validation: a run that is cut off loses no row, and goes on from there."""
+"""Claims about tools/make_validation: a run that is cut off loses no row, and goes on from there. Motion and
+forces at rest are compared with those of another engine."""
 import json
 import pathlib
 import subprocess
@@ -6,7 +7,13 @@ import sys
 import tempfile
 import unittest
 
-TOOL = pathlib.Path(__file__).resolve().parents[2] / "tools/make_validation"
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
+TOOL = TOOLS / "make_validation"
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(TOOLS))
+import validation_engines  # noqa: E402
+import validation_pages  # noqa: E402
+
 BOOK = {"iterations": [], "steps_per_second": [], "chapters": [{"title": "One", "entries": [
     {"scene": scene, "metric": "error", "kind": "closed form", "target": 0, "says": ""}
     for scene in ("first", "second", "third")]}]}
@@ -85,6 +92,37 @@ class Validation(unittest.TestCase):
         self.assertEqual((status, sorted(runs)), (1, ["first", "second", "third"]))
         self.assertIn("no such scene", says)
         self.assertIn("1 of 3 runs are left, 1 of them failed", says)
+
+    def test_measures_what_is_missing(self):
+        self.measure("--scene", "second")
+        status, runs, says = self.measure("--missing")
+        self.assertEqual((status, runs, len(self.results())), (0, ["first", "third"], 3), says)
+        self.assertEqual(self.measure("--missing")[1], [])
+
+
+class Engines(unittest.TestCase):
+    RATE = 20  # so that every second step is compared
+
+    def test_motion_is_compared_at_all_moments(self):
+        entry, known = {"size": 2}, {"seconds": 0.2, "readings": {"bob": [[1, 0], [2, 0]]}}
+        own = [[0, 0], [0.5, 0], [1, 0], [1.5, 0], [2, 0.1]]
+        self.assertAlmostEqual(validation_engines.error(entry, known, {"bob": own}, self.RATE), 0.05)
+        self.assertAlmostEqual(validation_engines.error(entry, known, {"bob": own[1:]}, self.RATE), 0.05,
+                               msg="a table may begin after the first step")
+        own[2] = [float("nan"), 0]
+        self.assertEqual(validation_engines.error(entry, known, {"bob": own}, self.RATE), float("inf"))
+
+    def test_forces_are_the_mean_of_the_last_moment(self):
+        known = {"seconds": 0.2, "readings": {"foot": [[0], [10]], "hand": [[0], [-20]]}}
+        own = {"foot": [[0], [0], [9], [12]], "hand": [[0], [0], [-20], [-20]]}
+        self.assertAlmostEqual(validation_engines.error({}, known, own, self.RATE), 0.5 / 20)
+
+    def test_bounds_of_an_entry_come_before_those_of_the_scene(self):
+        figures = validation_pages.Figures.__new__(validation_pages.Figures)
+        entry = {"scene": "fall", "metric": "error", "at_most": 2}
+        figures.runs = {validation_pages.key_of(entry, 0, 0): {"claims": {"error": [3, 1, 5]}}}
+        self.assertEqual(figures.claim(entry), [3, 1, 2])
+        self.assertFalse(validation_pages.is_inside(figures.claim(entry)))
 
 
 if __name__ == "__main__":
