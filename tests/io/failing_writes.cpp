@@ -4,11 +4,14 @@
 #include <cerrno>
 #include <limits>
 
+#include "tests/support/sanitizer.h"
+
+#if defined(__linux__) && !defined(RUBBLE_HAS_SANITIZER) && !defined(RUBBLE_HAS_THREAD_SANITIZER)
+#define RUBBLE_WRITES_FAIL 1
 #include <sys/syscall.h>
 #include <sys/uio.h>
 #include <unistd.h>
-
-#include "tests/support/sanitizer.h"
+#endif
 
 namespace {
 
@@ -17,6 +20,11 @@ std::atomic<long> writesLeft{kNeverFails};
 std::atomic<bool> writesFailOn{false}, writeFailed{false};
 /// A write that failed was written in part.
 std::atomic<bool> cutsNext{false};
+
+}  // namespace
+
+#if defined(RUBBLE_WRITES_FAIL)
+namespace {
 
 enum class Fate { Whole, Half, None };
 
@@ -34,8 +42,6 @@ Fate fateOfWrite(int file) {
 
 }  // namespace
 
-#if defined(__linux__) && !defined(RUBBLE_HAS_SANITIZER) && !defined(RUBBLE_HAS_THREAD_SANITIZER)
-#define RUBBLE_WRITES_FAIL 1
 extern "C" __attribute__((visibility("default"))) ssize_t write(int file, const void* bytes, size_t count) {
   const Fate fate = fateOfWrite(file);
   if (fate == Fate::None || (fate == Fate::Half && count < 2)) {
