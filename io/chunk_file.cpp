@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <new>
 
 #if defined(RUBBLE_HAS_ZSTD)
@@ -78,7 +79,13 @@ ChunkWriter::ChunkWriter(const std::string& file)
 }
 
 void ChunkWriter::check() {
-  if (!out_.flush()) throw Error(file_, "to be written in full", std::strerror(errno));
+  if (out_.flush()) return;
+  const std::string reason = std::strerror(errno);
+  // a stream writes at its end what it could not write before
+  out_.close();
+  std::error_code none;
+  std::filesystem::resize_file(file_, offset_, none);
+  throw Error(file_, "to be written in full", reason);
 }
 
 void ChunkWriter::writeRaw(const Bytes& bytes) {

@@ -23,6 +23,8 @@ class FrameEncoder {
   /// False, and nothing is taken, if a position lies too far from where the chunk begins: it needs a new
   /// chunk.
   bool add(const RecordedFrame& frame);
+  /// Takes back the last add().
+  void takeBack() { frames_.pop_back(); }
   /// Size of the content of the chunk [bytes].
   std::size_t contentSize() const;
   /// The content, made on the threads of the caller. Only its bytes from `begin` to `end` - 1 are needed: the

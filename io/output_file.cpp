@@ -53,31 +53,33 @@ NewFile::NewFile(const std::string& file) : file_(file), path_(file) {
   // where a link leads to
   const fs::path target = isLink ? fs::canonical(file_, none) : fs::path(file_);
   if (isThere && !isWritable(target)) throw Error(file_, kWritable, std::strerror(errno));
-  const fs::path fresh = freshFile(target.parent_path(), target.extension().string());
+  fs::path fresh = freshFile(target.parent_path(), target.extension().string());
   if (fresh.empty()) {
     // one that may be written in a folder that may not
     if (isThere) return;
     throw Error(file_, kWritable, std::strerror(errno));
   }
   try {
-    target_ = target, path_ = fresh.string();
+    path_ = fresh.string();
+    target_ = target;
   } catch (...) {
     fs::remove(fresh, none);
     throw;
   }
+  fresh_ = std::move(fresh);
 }
 
 NewFile::~NewFile() {
   std::error_code none;
-  if (!target_.empty()) fs::remove(path_, none);
+  if (!target_.empty()) fs::remove(fresh_, none);
 }
 
 void NewFile::keep() {
   if (target_.empty()) return;
   std::error_code wrong;
   if (const fs::file_status before = fs::status(target_, wrong); fs::exists(before))
-    fs::permissions(path_, before.permissions(), wrong);
-  fs::rename(path_, target_, wrong);
+    fs::permissions(fresh_, before.permissions(), wrong);
+  fs::rename(fresh_, target_, wrong);
   if (wrong) throw Error(file_, kWritable, wrong.message());
   target_.clear();
 }

@@ -27,6 +27,7 @@ class NewFile {
  private:
   std::string file_, path_;
   std::filesystem::path target_;  ///< what keep() replaces; empty: path_ is the file itself
+  std::filesystem::path fresh_;   ///< path_, so that its end needs no memory
 };
 
 /// A stream into such a file.

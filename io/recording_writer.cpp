@@ -76,6 +76,8 @@ struct RecordingWriter::Impl {
   void flushFrames() {
     const int count = frames.frameCount();
     if (count == 0) return;
+    // before the chunk, which is in the file then
+    if (index.size() == index.capacity()) index.reserve(2 * index.size() + 1);
     index.push_back({writeFrames(), bodyOffset, count});
     frames.clear();
   }
@@ -138,7 +140,7 @@ RecordingWriter::~RecordingWriter() {
   if (impl_->transport) return;
   try {
     finish();
-  } catch (const Error&) {
+  } catch (...) {
     // A destructor cannot report an error; finish() throws.
   }
 }
@@ -150,7 +152,12 @@ void RecordingWriter::write(const std::vector<RecordedBody>& bodies, const Recor
 void RecordingWriter::finish() {
   if (impl_->finished) return;
   impl_->finished = true;
-  impl_->guarded([&] { impl_->finish(); });
+  try {
+    impl_->guarded([&] { impl_->finish(); });
+  } catch (const std::bad_alloc&) {
+    impl_->finished = false;
+    throw;
+  }
 }
 
 void RecordingWriter::Impl::write(const std::vector<RecordedBody>& bodies, const RecordedFrame& frame,
@@ -165,27 +172,34 @@ void RecordingWriter::Impl::write(const std::vector<RecordedBody>& bodies, const
                   std::to_string(frame.vertices.size()));
   };
   if (!hasBodies || bodies != objects.bodies || softs != objects.softs) {
-    const RecordedObjects now{bodies, softs};
+    RecordedObjects now{bodies, softs};
     requireVertices(now);
     flushFrames();
-    objects = now;
-    hasBodies = true;
     bodyOffset = write(kBody, out ? encodeObjects(now) : Bytes());
+    objects = std::move(now);
+    hasBodies = true;
   }
   requireVertices(objects);
   add(frame);
   const std::size_t bytes = static_cast<std::size_t>(frames.frameCount()) *
                             (bodies.size() * kBytesOfPose + frame.vertices.size() * kBytesOfVertex);
-  if (frames.frameCount() >= kFramesInChunk || bytes >= kBytesInChunk) flushFrames();
+  if (frames.frameCount() < kFramesInChunk && bytes < kBytesInChunk) return;
+  try {
+    flushFrames();
+  } catch (const std::bad_alloc&) {
+    frames.takeBack();
+    throw;
+  }
 }
 
 void RecordingWriter::Impl::finish() {
   flushFrames();
-  ByteWriter footer;
-  footer.put(write(kIndex, encodeIndex(index)));
-  Bytes bytes = footer.bytes();
-  bytes.insert(bytes.end(), kMagic.begin(), kMagic.end());
-  if (out) out->writeRaw(bytes);
+  // before the index, which is in the file then
+  Bytes footer(sizeof(std::uint64_t) + kMagic.size());
+  const std::uint64_t offset = write(kIndex, encodeIndex(index));
+  for (std::size_t k = 0; k < sizeof offset; ++k) footer[k] = static_cast<std::uint8_t>(offset >> (8 * k));
+  std::ranges::copy(kMagic, footer.begin() + sizeof offset);
+  if (out) out->writeRaw(footer);
   awaitAll();
 }
 

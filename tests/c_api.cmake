@@ -28,8 +28,12 @@ add_test(NAME c_api.load COMMAND c_load $<TARGET_FILE:rubble_c>)
 add_test(NAME c_api.calls COMMAND c_api_test)
 add_test(NAME c_api.hello COMMAND c_hello)
 set_tests_properties(c_api.hello PROPERTIES PASS_REGULAR_EXPRESSION "the crate rests at 0\\.[45][0-9] m")
+set(static_library)
+if(NOT BUILD_SHARED_LIBS)
+  set(static_library $<TARGET_FILE:rubble>)
+endif()
 add_test(NAME c_api.exports COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/c_api/exports_test.py
-  $<TARGET_FILE:rubble_c> ${PROJECT_SOURCE_DIR}/include/rubble/c)
+  $<TARGET_FILE:rubble_c> ${PROJECT_SOURCE_DIR}/include/rubble/c ${static_library})
 add_test(NAME c_api.python_declarations COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tools/make_python_abi --check)
 set_tests_properties(c_api.load c_api.calls c_api.hello c_api.exports c_api.python_declarations PROPERTIES LABELS c_api TIMEOUT 900)
 

@@ -1,5 +1,7 @@
 #pragma once
 /// Interface between a World and a backend, independent of the solver precision.
+#include <functional>
+#include <new>
 #include <string>
 
 #include <rubble/ranks.h>
@@ -43,6 +45,10 @@ class DeviceArrays;
 /// What a caller is going to read: nothing but the state of one body, vertices, or anything.
 enum class Fetch { Body, Vertices, All };
 
+/// The step is complete. There was no memory to keep the contacts of paused worlds, which the next step finds
+/// again.
+class LostPausedContacts final : public std::bad_alloc {};
+
 /// An engine of many worlds in one set of tables. Vertices, joints and elements are addressed as in the
 /// tables.
 class BatchEngine {
@@ -52,7 +58,7 @@ class BatchEngine {
   virtual void setLayout(std::span<const WorldLayout> worlds, std::span<const int> spare) = 0;
   virtual const WorldSettings& settingsOf(int world) const = 0;
   virtual void setSettings(int world, const WorldSettings& settings) = 0;
-  /// A step of the worlds that are not paused (1). No world: none is.
+  /// A step of the worlds that are not paused (1). No world: none is. May throw LostPausedContacts.
   virtual void stepWorlds(StepReport& report, std::span<const char> paused) = 0;
   /// Reads one world in its own numbers.
   virtual const TableReader& readWorld(int world) = 0;
@@ -60,6 +66,16 @@ class BatchEngine {
   virtual std::vector<std::byte> takeWorld(int world) = 0;
   /// Replaces the states of these worlds, in ascending order. They have the elements that the states have.
   virtual void putWorlds(std::span<const int> worlds, std::span<const std::span<const std::byte>> states) = 0;
+  /// Makes everything that putWorlds() needs memory for. The result puts the states, before any other call.
+  /// On a host it throws nothing. The states must outlive it.
+  virtual std::function<void()> prepareToPut(std::span<const int> worlds,
+                                             std::span<const std::span<const std::byte>> states) {
+    return [this, to = std::vector(worlds.begin(), worlds.end()),
+            from = std::vector(states.begin(), states.end())] { putWorlds(to, from); };
+  }
+  /// A copy of all state. The result puts it back and throws nothing; setLayout() and the edits of rules and
+  /// planes must follow. Empty: this engine has none.
+  virtual std::function<void()> backup() { return {}; }
 };
 
 /// A backend. Bodies are addressed by id.

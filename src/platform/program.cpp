@@ -29,6 +29,39 @@ int Program::wait() { return status_; }
 
 #else
 
+namespace {
+
+/// Keeps a write to a broken pipe from ending this program. Signals and handlers of its host stay as they
+/// are.
+class WithoutPipeSignal {
+ public:
+  WithoutPipeSignal() {
+    sigemptyset(&pipe_), sigaddset(&pipe_, SIGPIPE);
+    wasPending_ = isPending();
+    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  ~WithoutPipeSignal() {
+    const int error = errno;
+    int signal = 0;
+    if (!wasPending_ && isPending()) sigwait(&pipe_, &signal);
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+    errno = error;
+  }
+  WithoutPipeSignal(const WithoutPipeSignal&) = delete;
+  WithoutPipeSignal& operator=(const WithoutPipeSignal&) = delete;
+
+ private:
+  static bool isPending() {
+    sigset_t pending;
+    return sigpending(&pending) == 0 && sigismember(&pending, SIGPIPE) == 1;
+  }
+
+  sigset_t pipe_, before_;
+  bool wasPending_;
+};
+
+}  // namespace
+
 std::string findProgram(const std::string& name) {
   const char* path = std::getenv("PATH");
   std::string folders = path ? path : "";
@@ -42,15 +75,15 @@ std::string findProgram(const std::string& name) {
 }
 
 Program::Program(const std::string& program, std::vector<std::string> arguments) {
+  std::vector<char*> raw;
+  for (std::string& argument : arguments) raw.push_back(argument.data());
+  raw.push_back(nullptr);
   int ends[2];
   if (pipe(ends) != 0) throw Error(program, "a pipe to it", std::strerror(errno));
   for (const int end : ends) fcntl(end, F_SETFD, FD_CLOEXEC);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-  std::vector<char*> raw;
-  for (std::string& argument : arguments) raw.push_back(argument.data());
-  raw.push_back(nullptr);
   const int failed = posix_spawn(&child_, program.c_str(), &actions, nullptr, raw.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   close(ends[0]);
@@ -61,8 +94,7 @@ Program::Program(const std::string& program, std::vector<std::string> arguments)
 }
 
 bool Program::write(const void* bytes, std::size_t count) {
-  // Without this a broken pipe would end this program.
-  const auto before = std::signal(SIGPIPE, SIG_IGN);
+  const WithoutPipeSignal whole;
   const char* at = static_cast<const char*>(bytes);
   while (count > 0) {
     const ssize_t now = ::write(pipe_, at, count);
@@ -70,7 +102,6 @@ bool Program::write(const void* bytes, std::size_t count) {
     if (now <= 0) break;
     at += now, count -= static_cast<std::size_t>(now);
   }
-  std::signal(SIGPIPE, before);
   return count == 0;
 }
 

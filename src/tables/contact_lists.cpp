@@ -41,9 +41,18 @@ void appendPoints(const SolverData& s, int owner, PointContacts& to) {
   to.pairsOfOwner.push_back(static_cast<int>(to.pair.size() - before));
 }
 
+void reserveContacts(HostTables& tables, BodyContacts& c) {
+  const int active = static_cast<int>(c.manifold.size());
+  tables.reserve(Per::Pair, static_cast<int>(c.pair.size())), tables.reserve(Per::ActivePair, active);
+  if (c.rolling.empty()) return;
+  // contacts without memory of rolling begin it anew
+  c.rolling.resize(c.manifold.size(), RollingRows{});
+  tables.reserve(Per::Rolling, std::max(active, tables.capacity(Per::ActivePair)));
+}
+
 void storeContacts(HostTables& tables, BodyContacts& c) {
+  reserveContacts(tables, c);
   const int pairs = static_cast<int>(c.pair.size()), active = static_cast<int>(c.manifold.size());
-  tables.reserve(Per::Pair, pairs), tables.reserve(Per::ActivePair, active);
   SolverData& s = tables.view();
   int sum = 0;
   for (int i = 0; i < s.bodies; ++i) {
@@ -58,9 +67,6 @@ void storeContacts(HostTables& tables, BodyContacts& c) {
   }
   s.oldActivePairOffset[pairs] = sum;
   if (!c.rolling.empty()) {
-    // contacts without memory of rolling begin it anew
-    c.rolling.resize(c.manifold.size(), RollingRows{});
-    tables.reserve(Per::Rolling, std::max(active, tables.capacity(Per::ActivePair)));
     store(s.oldRolling, c.rolling);
     s.rolledBefore = true;
     s.counters->rollers = active;
@@ -70,8 +76,12 @@ void storeContacts(HostTables& tables, BodyContacts& c) {
   s.counters->activePairs = active, s.counters->manifolds = static_cast<int>(c.row.size());
 }
 
-void storePoints(HostTables& tables, PointContacts& c) {
+void reservePoints(HostTables& tables, const PointContacts& c) {
   tables.reserve(Per::PointPair, static_cast<int>(c.pair.size()));
+}
+
+void storePoints(HostTables& tables, PointContacts& c) {
+  reservePoints(tables, c);
   const SolverData& s = tables.view();
   int sum = 0;
   for (int owner = 0; owner < s.owners(); ++owner) {

@@ -26,11 +26,15 @@ struct PointContacts {
 
 /// Appends the contacts of the bodies [begin, end).
 void appendContacts(const SolverData& s, int begin, int end, BodyContacts& to);
+/// Makes room, so that storeContacts() needs no memory.
+void reserveContacts(HostTables& tables, BodyContacts& contacts);
 /// Makes these the contacts of the last step.
 void storeContacts(HostTables& tables, BodyContacts& contacts);
 /// Appends the contacts of an owner of point pairs. Empty pairs, whose number depends on what else is in the
 /// buckets of the grid, are left out.
 void appendPoints(const SolverData& s, int owner, PointContacts& to);
+/// Makes room, so that storePoints() needs no memory.
+void reservePoints(HostTables& tables, const PointContacts& contacts);
 /// The same for contacts of points, in the order of all owners. PointPair::vertex is set.
 void storePoints(HostTables& tables, PointContacts& contacts);
 

@@ -74,6 +74,10 @@ void reserveExclusions(HostTables& tables, int more) {
   tables.reserve(Per::Exclusion, size);
 }
 
+void reserveLoadedExclusions(HostTables& tables, int pairs) {
+  tables.reserve(Per::Exclusion, sizeFor(pairs));
+}
+
 void clearExclusions(HostTables& tables, int pairs) {
   tables.excludedPairs = 0;
   resize(tables, sizeFor(pairs));

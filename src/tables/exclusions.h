@@ -8,6 +8,8 @@ namespace rubble::RUBBLE_CORE {
 
 /// Reserves memory for so many more pairs.
 void reserveExclusions(HostTables& tables, int more);
+/// Reserves memory for as many pairs after clearExclusions().
+void reserveLoadedExclusions(HostTables& tables, int pairs);
 /// Adds or removes a pair of ids. `changed` receives the written elements, or every element after growth.
 void setExcluded(HostTables& tables, int a, int b, bool excluded, std::vector<int>* changed = nullptr,
                  int world = 0);

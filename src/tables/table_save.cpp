@@ -236,7 +236,7 @@ void reserve(HostTables& tables, const SavedCounts& counts) {
   tables.reserve(Per::Plane, counts.planes);
   reserveSoft(tables, counts.soft, std::max(tables.view().bodies, slotsFor(counts.bodies)));
   tables.reserve(Per::PointPair, counts.pointPairs);
-  reserveExclusions(tables, std::max(0, counts.exclusions - tables.excludedPairs));
+  reserveLoadedExclusions(tables, counts.exclusions);
   tables.reserve(Per::ShapeVector, counts.shapeVectors);
   tables.reserve(Per::ShapeIndex, counts.shapeIndices);
   tables.reserve(Per::ShapePart, counts.shapeParts);

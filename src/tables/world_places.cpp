@@ -1,6 +1,7 @@
 #include "tables/world_places.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "solver/settings.h"
 #include "stages/joints/joints.h"
@@ -20,18 +21,18 @@ struct Places {
   template <std::size_t n> void vertices(int (&)[n]) const {}
 };
 
-/// Moves the contacts of bodies. `from`: old place of the body at each new one.
-void moveContacts(HostTables& tables, const std::vector<int>& from, const Places& places) {
+/// The contacts of bodies at their new places. `from`: old place of the body at each new one.
+BodyContacts movedContacts(const HostTables& tables, const std::vector<int>& from, const Places& places) {
   BodyContacts contacts;
   for (const int old : from) appendContacts(tables.view(), old, old + 1, contacts);
   for (Pair& p : contacts.pair) renumber(places, p);
   for (ContactRows& r : contacts.row) renumber(places, r);
-  storeContacts(tables, contacts);
+  return contacts;
 }
 
-/// Moves the contacts of vertices: those of body corners to other owners, and all with the bodies that they
-/// name.
-void movePoints(HostTables& tables, const std::vector<int>& from, const Places& places) {
+/// The contacts of vertices at new places: those of body corners have other owners, and all name the bodies
+/// where they are then.
+PointContacts movedPoints(const HostTables& tables, const std::vector<int>& from, const Places& places) {
   const SolverData& s = tables.view();
   PointContacts contacts;
   const int fixed = s.vertices + s.edges;
@@ -45,7 +46,17 @@ void movePoints(HostTables& tables, const std::vector<int>& from, const Places& 
     if (other >= 0) places.body(contacts.contact[k].body);
     if (other < kVertexNode) places.body(other);
   }
-  storePoints(tables, contacts);
+  return contacts;
+}
+
+/// Visits the arrays whose elements move with the bodies.
+template <class Visit> void forEachMoved(Visit&& visit) {
+  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+    bool moves = isBodyState(array);
+    if constexpr (std::is_same_v<T, int>)
+      moves |= array.member == &SolverData::idOf || array.member == &SolverData::worldOfBody;
+    if (moves) visit(array);
+  });
 }
 
 WorldPart worldPart(const WorldLayout& layout, int firstBody) {
@@ -72,15 +83,23 @@ void placeBodies(HostTables& tables, const std::vector<int>& ids) {
   for (std::size_t k = 0; k < bodies; ++k) to[static_cast<std::size_t>(from[k])] = static_cast<int>(k);
   if (std::is_sorted(from.begin(), from.end())) return;
   const Places places{to};
-  moveContacts(tables, from, places);
-  if (s.vertices > 0) movePoints(tables, from, places);
-  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    bool moves = isBodyState(array);
-    if constexpr (std::is_same_v<T, int>)
-      moves |= array.member == &SolverData::idOf || array.member == &SolverData::worldOfBody;
-    if (!moves) return;
-    const std::vector<T> old = copyOf(s.*array.member, s.bodies);
-    for (std::size_t k = 0; k < bodies; ++k) (s.*array.member)[k] = old[static_cast<std::size_t>(from[k])];
+  BodyContacts contacts = movedContacts(tables, from, places);
+  PointContacts points;
+  if (s.vertices > 0) points = movedPoints(tables, from, places);
+  reserveContacts(tables, contacts), reservePoints(tables, points);
+  std::size_t largest = 0;
+  forEachMoved([&]<class T>(const ArrayInfo<T>&) { largest = std::max(largest, sizeof(T)); });
+  std::vector<std::byte> old(largest * bodies);
+
+  // from here on there is memory for everything
+  storeContacts(tables, contacts);
+  if (s.vertices > 0) storePoints(tables, points);
+  forEachMoved([&]<class T>(const ArrayInfo<T>& array) {
+    T* const elements = &(s.*array.member)[0];
+    std::memcpy(old.data(), static_cast<const void*>(elements), sizeof(T) * bodies);
+    for (std::size_t k = 0; k < bodies; ++k)
+      std::memcpy(static_cast<void*>(elements + k),
+                  old.data() + sizeof(T) * static_cast<std::size_t>(from[k]), sizeof(T));
   });
   for (std::size_t k = 0; k < bodies; ++k) {
     places.body(s.placeOf[k]);
@@ -106,13 +125,16 @@ std::vector<WorldPart> placeWorlds(HostTables& tables, std::span<const WorldLayo
   std::vector<int> order;  // ids in the order of their new places
   std::vector<WorldPart> parts;
   for (const WorldLayout& world : worlds) {
-    s.firstBody[parts.size()] = static_cast<int>(order.size());
     parts.push_back(worldPart(world, static_cast<int>(order.size())));
     order.insert(order.end(), world.bodies.begin(), world.bodies.end());
   }
-  s.firstBody[count] = static_cast<int>(order.size());
+  const int inWorlds = static_cast<int>(order.size());
   order.insert(order.end(), spare.begin(), spare.end());
   placeBodies(tables, order);
+
+  // from here on no memory is needed
+  for (int w = 0; w < count; ++w) s.firstBody[w] = parts[static_cast<std::size_t>(w)].firstBody;
+  s.firstBody[count] = inWorlds;
   s.worlds = count, s.fixedOrder = s.anyKinds = true;
   for (int w = 0; w < count; ++w) {
     const WorldPart& part = parts[static_cast<std::size_t>(w)];

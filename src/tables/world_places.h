@@ -8,11 +8,11 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Moves the bodies of all ids in the tables to the places at which `ids` lists them. Bodies of one world
-/// keep their order.
+/// keep their order. With std::bad_alloc nothing is changed.
 void placeBodies(HostTables& tables, const std::vector<int>& ids);
 
 /// Gives the worlds their elements, with their bodies consecutive. `spare`: bodies of no world, which come
-/// last. Returns the elements of each world.
+/// last. Returns the elements of each world. With std::bad_alloc nothing is changed.
 std::vector<WorldPart> placeWorlds(HostTables& tables, std::span<const WorldLayout> worlds,
                                    std::span<const int> spare);
 

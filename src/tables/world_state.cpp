@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "stages/pairs/active_pairs.h"
+#include "stages/soft/body_corners.h"
 #include "tables/clean_copy.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -167,6 +169,22 @@ struct Reader {
     values(to.data() + at, count);
   }
 };
+/// Counts the bytes of elements.
+struct Measure {
+  std::size_t bytes = 0;
+  template <class T> void values(const T*, int count) {
+    bytes += sizeof(T) * static_cast<std::size_t>(count);
+  }
+  template <class T, class Renumber> void renumbered(const T* elements, int count, Renumber&&) {
+    values(elements, count);
+  }
+};
+
+StateCounts countsOf(std::span<const std::byte> state) {
+  StateCounts counts;
+  std::memcpy(&counts, state.data(), sizeof counts);
+  return counts;
+}
 
 }  // namespace
 
@@ -246,10 +264,9 @@ void readContacts(const SolverData& s, const WorldPart& part, Reader& reader, co
   }
 }
 
-/// Replaces the point contacts of changed worlds, which list their owners in ascending order.
-void changePoints(HostTables& tables, std::span<const WorldPart> parts, std::span<const WorldChange> changes,
-                  const std::vector<PointContacts>& changed) {
-  const SolverData& s = tables.view();
+/// All point contacts, with others for changed worlds, which list their owners in ascending order.
+PointContacts changedPoints(const SolverData& s, std::span<const WorldPart> parts,
+                            std::span<const WorldChange> changes, const std::vector<PointContacts>& changed) {
   std::vector<int> changeOf(static_cast<std::size_t>(s.owners()), -1);
   for (std::size_t k = 0; k < changes.size(); ++k)
     for (const OwnerRange& range : pointOwnersOf(s, parts[static_cast<std::size_t>(changes[k].world)]))
@@ -271,92 +288,158 @@ void changePoints(HostTables& tables, std::span<const WorldPart> parts, std::spa
                        changed[k].contact.begin() + first + count);
     pairs[k] += static_cast<std::size_t>(count);
   }
-  storePoints(tables, all);
+  return all;
 }
 
-/// What the tables derive from joints and bodies of a world, before and after a change.
-class Derived {
- public:
-  Derived(HostTables& tables, const WorldPart& part, TraitCounts& traits)
-      : tables_(tables), part_(part), traits_(traits) {
-    const SolverData& s = tables.view();
-    for (int i = part.firstBody; i < part.firstBody + part.bodies; ++i)
-      kinds_.push_back(s.params[i].kind), traits.count(s.extras[i].traits, -1);
-    forEachLinks([&](JointRef, const JointLinks& links) { links_.push_back(links); });
-  }
-  ~Derived() {
-    const SolverData& s = tables_.view();
-    for (int k = 0; k < part_.bodies; ++k) {
-      const int body = part_.firstBody + k;
-      if (s.params[body].kind != kinds_[static_cast<std::size_t>(k)]) tables_.trees.touch(body);
-      traits_.count(s.extras[body].traits, 1);
-    }
-    std::size_t k = 0;
-    forEachLinks(
-        [&](JointRef joint, const JointLinks& links) { tables_.trees.relink(joint, links_[k++], links); });
-  }
-  Derived(const Derived&) = delete;
-  Derived& operator=(const Derived&) = delete;
-
- private:
-  template <class Visit> void forEachLinks(Visit&& visit) {
-    forEachType(JointTypes{}, [&]<class F>() {
-      constexpr int kType = typeIndex<F>(JointTypes{});
-      for (const int slot : part_.joints[kType])
-        visit(JointRef{kType, slot}, linksOf<F>(tables_.view().specsOf<F>()[slot]));
-    });
-  }
-  HostTables& tables_;
-  const WorldPart& part_;
-  TraitCounts& traits_;
-  std::vector<BodyKind> kinds_;
-  std::vector<JointLinks> links_;
-};
-
-/// Replaces the elements of a world, and appends its contacts.
-void putElements(HostTables& tables, const WorldPart& part, std::span<const std::byte> state,
-                 TraitCounts& traits, BodyContacts& bodies, PointContacts& points) {
-  SolverData& s = tables.view();
+/// Replaces the elements of a world, but not its contacts.
+void readElements(SolverData& s, const WorldPart& part, std::span<const std::byte> state) noexcept {
   const Numbers numbers(s, part, false);
-  Reader reader{state, numbers};
-  StateCounts counts;
-  reader.values(&counts, 1);
-  {
-    const Derived derived(tables, part, traits);
-    visitElements(s, part, reader);
-  }
-  readContacts(s, part, reader, counts, bodies, points);
+  visitElements(s, part, Reader{state.subspan(sizeof(StateCounts)), numbers});
+}
+
+/// Appends the contacts of a state.
+void appendState(SolverData& s, const WorldPart& part, std::span<const std::byte> state, BodyContacts& bodies,
+                 PointContacts& points) {
+  Measure elements;
+  visitElements(s, part, elements);
+  const Numbers numbers(s, part, false);
+  Reader reader{state.subspan(sizeof(StateCounts) + elements.bytes), numbers};
+  readContacts(s, part, reader, countsOf(state), bodies, points);
 }
 
 }  // namespace
 
+/// What the tables derive from joints and bodies of a world, before a change.
+class DerivedOfWorld {
+ public:
+  DerivedOfWorld(const HostTables& tables, const WorldPart& part) : part_(&part) {
+    const SolverData& s = tables.view();
+    for (int i = part.firstBody; i < part.firstBody + part.bodies; ++i) kinds_.push_back(s.params[i].kind);
+    forEachLinks(s, [&](JointRef, const JointLinks& links) { links_.push_back(links); });
+  }
+  /// Counts the traits of the bodies, or takes them back.
+  void count(const SolverData& s, TraitCounts& traits, int change) const noexcept {
+    for (int i = part_->firstBody; i < part_->firstBody + part_->bodies; ++i)
+      traits.count(s.extras[i].traits, change);
+  }
+  /// Tells the plan of the joint trees what the change is.
+  void follow(HostTables& tables) const noexcept {
+    const SolverData& s = tables.view();
+    for (int k = 0; k < part_->bodies; ++k) {
+      const int body = part_->firstBody + k;
+      if (s.params[body].kind != kinds_[static_cast<std::size_t>(k)]) tables.trees.touch(body);
+    }
+    std::size_t k = 0;
+    forEachLinks(
+        s, [&](JointRef joint, const JointLinks& links) { tables.trees.relink(joint, links_[k++], links); });
+  }
+
+ private:
+  template <class Visit> void forEachLinks(const SolverData& s, Visit&& visit) const {
+    forEachType(JointTypes{}, [&]<class F>() {
+      constexpr int kType = typeIndex<F>(JointTypes{});
+      for (const int slot : part_->joints[kType])
+        visit(JointRef{kType, slot}, linksOf<F>(s.specsOf<F>()[slot]));
+    });
+  }
+  const WorldPart* part_;
+  std::vector<BodyKind> kinds_;
+  std::vector<JointLinks> links_;
+};
+
+struct WorldsToPut::Impl {
+  HostTables& tables;
+  std::span<const WorldPart> parts;
+  std::vector<WorldChange> changes;
+  std::vector<DerivedOfWorld> derived = {};
+
+  const WorldPart& part(const WorldChange& change) const {
+    return parts[static_cast<std::size_t>(change.world)];
+  }
+  void derive() {
+    for (const WorldChange& change : changes) derived.emplace_back(tables, part(change));
+  }
+  /// Replaces the elements.
+  void put() noexcept {
+    SolverData& s = tables.view();
+    TraitCounts traits = tables.traits();
+    for (std::size_t k = 0; k < changes.size(); ++k) {
+      derived[k].count(s, traits, -1);
+      readElements(s, part(changes[k]), changes[k].state);
+      derived[k].follow(tables);
+      derived[k].count(s, traits, 1);
+    }
+    tables.setTraits(traits);
+  }
+
+  BodyContacts bodies = {};
+  PointContacts points = {};
+};
+
 BodyContacts putElements(HostTables& tables, std::span<const WorldPart> parts,
                          std::span<const WorldChange> changes) {
-  BodyContacts bodies;
-  PointContacts points;
-  TraitCounts traits = tables.traits();
+  WorldsToPut::Impl own{tables, parts, {changes.begin(), changes.end()}};
   for (const WorldChange& change : changes)
-    putElements(tables, parts[static_cast<std::size_t>(change.world)], change.state, traits, bodies, points);
-  tables.setTraits(traits);
-  return bodies;
+    appendState(tables.view(), own.part(change), change.state, own.bodies, own.points);
+  own.derive();
+  own.put();
+  return std::move(own.bodies);
+}
+
+WorldsToPut::WorldsToPut(HostTables& tables, std::span<const WorldPart> parts,
+                         std::span<const WorldChange> changes)
+    : impl_(std::make_unique<Impl>(Impl{tables, parts, {changes.begin(), changes.end()}})) {
+  SolverData& s = tables.view();
+  std::vector<PointContacts> points(changes.size());
+  int next = 0;  // the contacts of bodies before it are in the list
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    const WorldPart& part = impl_->part(changes[k]);
+    appendContacts(s, next, part.firstBody, impl_->bodies);
+    next = part.firstBody + part.bodies;
+    appendState(s, part, changes[k].state, impl_->bodies, points[k]);
+  }
+  appendContacts(s, next, s.bodies, impl_->bodies);
+  reserveContacts(tables, impl_->bodies);
+  if (s.vertices > 0) {
+    impl_->points = changedPoints(s, parts, changes, points);
+    reservePoints(tables, impl_->points);
+  }
+  impl_->derive();
+}
+WorldsToPut::~WorldsToPut() = default;
+
+void WorldsToPut::put() noexcept {
+  HostTables& tables = impl_->tables;
+  impl_->put();
+  if (tables.view().vertices > 0) storePoints(tables, impl_->points);
+  storeContacts(tables, impl_->bodies);
+}
+
+void putWithoutContacts(HostTables& tables, std::span<const WorldPart> parts,
+                        std::span<const WorldChange> changes) noexcept {
+  SolverData& s = tables.view();
+  const auto isOf = [](const WorldPart& part, int body) {
+    return body >= part.firstBody && body < part.firstBody + part.bodies;
+  };
+  for (const WorldChange& change : changes) {
+    const WorldPart& part = parts[static_cast<std::size_t>(change.world)];
+    for (int k = s.oldPairOffset[part.firstBody]; k < s.oldPairOffset[part.firstBody + part.bodies]; ++k)
+      forgetOldPair(s, k);
+    for (int k = 0; s.vertices > 0 && k < s.oldPointPairOffset[s.owners()]; ++k) {
+      const int owner = s.oldPointPair[k].vertex, corners = s.vertices + s.edges;
+      const bool own = owner < s.vertices ? s.worldOfVertex[owner] == change.world
+                       : owner < corners  ? owner - s.vertices >= part.firstEdge &&
+                                               owner - s.vertices < part.firstEdge + part.edges
+                                         : isOf(part, bodyOfOwner(s, owner));
+      if (own) s.oldPointPair[k].other = -1, s.oldPointContact[k].active = 0;
+    }
+    readElements(s, part, change.state);
+  }
+  tables.trees.touchAll();
 }
 
 void putWorlds(HostTables& tables, std::span<const WorldPart> parts, std::span<const WorldChange> changes) {
-  SolverData& s = tables.view();
-  BodyContacts bodies;
-  std::vector<PointContacts> changedPoints(changes.size());
-  TraitCounts traits = tables.traits();
-  int next = 0;  // the contacts of bodies before it are in the list
-  for (std::size_t k = 0; k < changes.size(); ++k) {
-    const WorldPart& part = parts[static_cast<std::size_t>(changes[k].world)];
-    appendContacts(s, next, part.firstBody, bodies);
-    next = part.firstBody + part.bodies;
-    putElements(tables, part, changes[k].state, traits, bodies, changedPoints[k]);
-  }
-  appendContacts(s, next, s.bodies, bodies);
-  tables.setTraits(traits);
-  if (s.vertices > 0) changePoints(tables, parts, changes, changedPoints);
-  storeContacts(tables, bodies);
+  WorldsToPut(tables, parts, changes).put();
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -2,6 +2,7 @@
 /// The state of one world of a batch, in numbers of its own: bodies, vertices and joints count from 0. Equal
 /// states of two worlds have equal bytes, wherever the worlds lie in the tables.
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -40,8 +41,26 @@ struct WorldChange {
   int world;
   std::span<const std::byte> state;
 };
-/// Replaces states. `parts`: all worlds, in the order of their bodies. `changes`: in ascending order of
-/// worlds. All other worlds keep their bits.
+/// States for which there is memory. Replaced states and the parts must outlive it, and the tables must not
+/// change before put().
+class WorldsToPut {
+ public:
+  WorldsToPut(HostTables& tables, std::span<const WorldPart> parts, std::span<const WorldChange> changes);
+  ~WorldsToPut();
+  WorldsToPut(const WorldsToPut&) = delete;
+  WorldsToPut& operator=(const WorldsToPut&) = delete;
+  void put() noexcept;
+
+  struct Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+/// Replaces states without memory. Contacts of these worlds are cleared, which the next step finds again.
+void putWithoutContacts(HostTables& tables, std::span<const WorldPart> parts,
+                        std::span<const WorldChange> changes) noexcept;
+/// Replaces states, or with std::bad_alloc none. `parts`: all worlds, in the order of their bodies.
+/// `changes`: in ascending order of worlds. All other worlds keep their bits.
 void putWorlds(HostTables& tables, std::span<const WorldPart> parts, std::span<const WorldChange> changes);
 
 /// The same without their contacts, which it returns, those of the first change first. Manifolds and rows

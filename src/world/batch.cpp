@@ -1,9 +1,9 @@
 #include "world/batch.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "forces/joint_record.h"
+#include "world/batch_translation.h"
 #include "world/joint_build.h"
 #include "world/world_impl.h"
 
@@ -25,32 +25,26 @@ SoftRange sizeOf(const SoftModel& model) {
   return size;
 }
 
-/// A number above `least` that is not in use: the lowest of the spare ones, or the next new one.
+/// A number above `least` that is not in use: the lowest of the spare ones, or the next new one. There will
+/// be room to give all of them back.
 int takeSpare(std::vector<int>& spare, int& next, int least = -1) {
   std::ranges::sort(spare);
   const auto found = std::ranges::upper_bound(spare, least);
-  if (found == spare.end()) return next++;
+  if (found == spare.end()) {
+    reserveMore(spare, next + 1 - static_cast<int>(spare.size()));
+    return next++;
+  }
   const int number = *found;
   spare.erase(found);
   return number;
 }
 
-template <class T> T& slotAt(std::vector<T>& list, int i) { return list[static_cast<std::size_t>(i)]; }
-
 }  // namespace
 
-std::vector<std::byte> WorldSnapshot::bytes() const {
-  std::vector<std::byte> out = state;
-  const auto* dt = reinterpret_cast<const std::byte*>(&previousDt);
-  out.insert(out.end(), dt, dt + sizeof previousDt);
-  return out;
-}
-
 Batch::Batch(std::unique_ptr<Engine> engine, const Params& params, std::shared_ptr<const int> family)
-    : engine_(std::move(engine)),
-      family_(std::move(family)),
-      jointSlots_(static_cast<std::size_t>(engineJointTypes())),
-      spareJoints_(jointSlots_.size()) {
+    : engine_(std::move(engine)), family_(std::move(family)) {
+  own_.jointSlots.resize(static_cast<std::size_t>(engineJointTypes()));
+  own_.spareJoints.resize(own_.jointSlots.size());
   if (!engine_->batch()) throw Error("backend", "one that can hold many worlds", "another");
   setParams(params);
 }
@@ -59,40 +53,116 @@ void Batch::setParams(const Params& params) {
   if (params.sortInterval != 0)
     throw Error("sortInterval", "0 for many worlds", std::to_string(params.sortInterval));
   const bool changed = params_ != params;
-  params_ = params;
-  wakesAll_ |= changed && !members_.empty();
   EngineSettings settings;
   settings.params = params;
   engine_->configure(settings);
+  params_ = params;
+  wakesAll_ |= changed && !own_.members.empty();
 }
 
 int Batch::addWorld() {
-  Member& member = members_.emplace_back();
-  member.joints.resize(jointSlots_.size());
-  layoutChanged_ = planesChanged_ = true;
+  Member member;
+  member.joints.resize(own_.jointSlots.size());
   member.first.vertex = member.count.vertex = 0;
+  own_.members.push_back(std::move(member));
+  own_.changed.layout = own_.changed.planes = true;
   return count() - 1;
+}
+
+void Batch::dropWorld() noexcept {
+  Member& member = own_.members.back();
+  const int world = count() - 1;
+  // an engine on a host needs no memory for these
+  try {
+    for (const auto& [a, b] : member.references.excluded) engine_->apply(SetExcluded{a, b, false, world});
+    for (std::size_t type = 0; type < member.joints.size(); ++type)
+      for (const int slot : member.joints[type]) {
+        SetJoint none{slot, {}};
+        none.joint.type = static_cast<int>(type);
+        engine_->apply(none);
+      }
+    for (const int body : member.bodies) engine_->apply(SetBody{body, {}});
+  } catch (const std::bad_alloc&) {
+  }
+  for (std::size_t type = 0; type < member.joints.size(); ++type)
+    for (const int slot : member.joints[type]) own_.spareJoints[type].push_back(slot);
+  own_.spareBodies.insert(own_.spareBodies.end(), member.bodies.begin(), member.bodies.end());
+  for (const AddShape& shape : member.references.shapes) dropShape(shape.shape);
+  own_.changed = {true, true, true, true, own_.changed.settings};
+  own_.members.pop_back();
 }
 
 void Batch::configure(int world, const EngineSettings& settings) {
   if (settings.params != params_)
     throw Error("params", "those of all worlds: Worlds::setParams changes them", "others");
-  settings_[world] = settings;
+  slotAt(own_.members, world).settings = settings;
+  own_.changed.settings = true;
+}
+
+int Batch::takeBody() { return takeSpare(own_.spareBodies, own_.bodies); }
+int Batch::takeJoint(int type, int least) {
+  return takeSpare(slotAt(own_.spareJoints, type), slotAt(own_.jointSlots, type), least);
 }
 
 int Batch::surfaceOf(const Material& material) {
-  const auto found = std::ranges::find(surfaces_, material);
-  if (found != surfaces_.end()) return static_cast<int>(found - surfaces_.begin());
-  surfaces_.push_back(material);
-  return static_cast<int>(surfaces_.size()) - 1;
+  const auto found = std::ranges::find(own_.surfaces, material);
+  if (found != own_.surfaces.end()) return static_cast<int>(found - own_.surfaces.begin());
+  own_.surfaces.push_back(material);
+  return static_cast<int>(own_.surfaces.size()) - 1;
+}
+
+ShapePlace Batch::placeShape(const AddShape& shape, std::vector<Edit>& edits) {
+  if (const auto found = own_.shapes.find(shape.shape); found != own_.shapes.end()) {
+    ++found->second.uses;
+    return found->second.place;
+  }
+  own_.space.prepare(static_cast<int>(own_.shapes.size()) + 1);
+  ShapeInTables& placed = own_.shapes[shape.shape];
+  placed = {own_.space.take(*shape.shape), 1};
+  Undo undo([&] { dropShape(shape.shape); });
+  edits.push_back(AddShape{shape.shape, shape.partSurfaces, placed.place});
+  undo.keep();
+  return placed.place;
+}
+
+void Batch::dropShape(const std::shared_ptr<const CookedShape>& shape) noexcept {
+  const auto found = own_.shapes.find(shape);
+  if (--found->second.uses > 0) return;
+  own_.space.give(found->second.place, *shape);
+  own_.shapes.erase(found);
+}
+
+void Batch::apply(int world, std::span<const Edit> edits) {
+  // as most calls between steps are: they need no list
+  if (edits.size() == 1) {
+    const auto applied = [&]<class E>(const E& edit) {
+      if constexpr (std::is_same_v<E, SetBodyState> || std::is_same_v<E, AddForce> ||
+                    std::is_same_v<E, AddVelocity>) {
+        E inTables = edit;
+        inTables.id = slotAt(rowsOf(world), edit.id);
+        engine_->apply(inTables);
+        return true;
+      }
+      return false;
+    };
+    if (std::visit(applied, edits[0])) return;
+  }
+  const auto isOfVertices = [](const Edit& edit) {
+    return std::holds_alternative<SetVertices>(edit) || std::holds_alternative<AddVertexForce>(edit);
+  };
+  if (std::ranges::any_of(edits, isOfVertices)) flush();
+  Translation translation(*this, world);
+  for (const Edit& edit : edits) translation.add(edit);
+  if (!translation.edits().empty()) engine_->apply(translation.edits());
+  translation.keep();
 }
 
 void Batch::flushRules() {
-  SetSurfaces edit{surfaces_};
+  SetSurfaces edit{own_.surfaces};
   for (int world = 0; world < count(); ++world) {
-    WorldReferences& own = slotAt(members_, world).references;
+    WorldReferences& own = slotAt(own_.members, world).references;
     const auto kindInTables = [&](int kind) {
-      return materialKind(surfaces_, slotAt(own.surfaces, kind - 1).name);
+      return materialKind(own_.surfaces, slotAt(own.surfaces, kind - 1).name);
     };
     for (EngineMaterialRule rule : own.rules) {
       const int low = kindInTables(rule.low), high = kindInTables(rule.high);
@@ -102,327 +172,90 @@ void Batch::flushRules() {
     }
   }
   sortRules(edit.rules);
-  if (edit.rules != rules_) engine_->apply(edit);
-  rules_ = std::move(edit.rules);
-  rulesChanged_ = false;
-}
-
-int Batch::placeShape(const AddShape& shape) {
-  const auto [found, isNew] = shapes_.try_emplace(shape.shape);
-  ShapeInTables& own = found->second;
-  if (isNew) {
-    own.place = space_.take(*shape.shape);
-    engine_->apply(AddShape{shape.shape, shape.partSurfaces, own.place});
-  }
-  ++own.uses;
-  return own.place.indices;
-}
-
-void Batch::dropShape(const std::shared_ptr<const CookedShape>& shape) {
-  const auto found = shapes_.find(shape);
-  if (--found->second.uses > 0) return;
-  space_.prepare(1);
-  space_.give(found->second.place, *shape);
-  shapes_.erase(found);
-}
-
-/// Applies an edit in the numbers of a world to the tables.
-struct Batch::Translate {
-  Batch& batch;
-  int world;
-  Member& member;
-
-  int body(int id) const { return id < 0 ? id : slotAt(member.bodies, id); }
-  static int beginOf(const AddShape& shape) { return shape.place.indices; }
-  template <class Ids> void bodies(Ids& ids) const {
-    for (int& id : ids) id = body(id);
-  }
-  int surface(int index) const { return index < 0 ? index : slotAt(member.surfaces, index); }
-  /// Places a shape of the world in the tables.
-  void place(AddShape shape) const {
-    for (int& part : shape.partSurfaces) part = surface(part);
-    const WorldShape placed{shape.place.indices, batch.placeShape(shape),
-                            static_cast<int>(shape.shape->indices.size())};
-    member.shapes.insert(std::ranges::upper_bound(member.shapes, placed.base, {}, &WorldShape::base), placed);
-    batch.layoutChanged_ = true;
-  }
-
-  void operator()(SetBody e) const {
-    if (e.id >= static_cast<int>(member.bodies.size())) {
-      member.bodies.push_back(takeSpare(batch.spareBodies_, batch.bodies_));
-      batch.layoutChanged_ = true;
-    }
-    e.number = e.id, e.world = world, e.id = body(e.id);
-    e.body.surface = surface(e.body.surface);
-    if (int& data = e.body.shape.data; data >= 0) {
-      const auto after = std::ranges::upper_bound(member.shapes, data, {}, &WorldShape::base);
-      data += (after - 1)->baseInTables - (after - 1)->base;
-    }
-    batch.engine_->apply(e);
-  }
-  void operator()(const AddBodies& e) const {
-    for (int k = 0; k < e.count; ++k) (*this)(e.at(k));
-  }
-  void operator()(SetBodyState e) const { e.id = body(e.id), batch.engine_->apply(e); }
-  void operator()(AddForce e) const { e.id = body(e.id), batch.engine_->apply(e); }
-  void operator()(AddVelocity e) const { e.id = body(e.id), batch.engine_->apply(e); }
-  void operator()(ForgetContacts e) const {
-    bodies(e.ids);
-    std::ranges::sort(e.ids);
-    batch.engine_->apply(e);
-  }
-  void operator()(const AddShape& e) const {
-    std::vector<AddShape>& own = member.references.shapes;
-    own.insert(std::ranges::upper_bound(own, e.place.indices, {}, beginOf), e);
-    place(e);
-  }
-  void operator()(const DropShape& e) const {
-    std::vector<AddShape>& own = member.references.shapes;
-    const auto at = std::ranges::lower_bound(own, e.place.indices, {}, beginOf);
-    batch.dropShape(at->shape);
-    member.shapes.erase(member.shapes.begin() + (at - own.begin()));
-    own.erase(at);
-    batch.layoutChanged_ = true;
-  }
-  void operator()(const SetSurfaces& e) const {
-    WorldReferences& own = member.references;
-    const std::size_t before = batch.surfaces_.size();
-    const std::size_t kept = own.surfaces.size();
-    const bool extends = kept <= e.surfaces.size() &&
-                         std::ranges::equal(own.surfaces, std::span(e.surfaces).first(kept));
-    if (!extends) member.surfaces.clear();
-    batch.rulesChanged_ |= own.rules != e.rules || (!extends && !e.rules.empty());
-    batch.layoutChanged_ |= !extends || member.surfaces.size() < e.surfaces.size();
-    own.surfaces = e.surfaces, own.rules = e.rules;
-    for (std::size_t k = member.surfaces.size(); k < e.surfaces.size(); ++k)
-      member.surfaces.push_back(batch.surfaceOf(e.surfaces[k]));
-    // bodies need their materials at once
-    if (batch.surfaces_.size() > before) batch.engine_->apply(SetSurfaces{batch.surfaces_, batch.rules_});
-  }
-  void operator()(SetPlanes e) const {
-    member.references.planes = std::move(e.ids);
-    batch.planesChanged_ = true;
-  }
-  void operator()(SetJoint e) const {
-    const int type = static_cast<int>(e.joint.type);
-    std::vector<int>& slots = slotAt(member.joints, type);
-    if (e.slot >= static_cast<int>(slots.size())) {
-      // the order of joints in a world is that of their slots
-      slots.push_back(takeSpare(slotAt(batch.spareJoints_, type), slotAt(batch.jointSlots_, type),
-                                slots.empty() ? -1 : slots.back()));
-      batch.layoutChanged_ = true;
-    }
-    e.slot = slotAt(slots, e.slot);
-    for (int* end : {&e.joint.a, &e.joint.b, &e.joint.frameBodyA, &e.joint.frameBodyB}) *end = body(*end);
-    batch.engine_->apply(e);
-  }
-  void operator()(SetExcluded e) const {
-    const std::pair<int, int> pair = std::minmax(e.a, e.b);
-    if (e.excluded)
-      member.references.excluded.insert(pair);
-    else
-      member.references.excluded.erase(pair);
-    e.world = world;
-    batch.engine_->apply(e);
-  }
-  void operator()(SetDeformables e) const {
-    WorldReferences& own = member.references;
-    // where the tables have an object or attachment of the list before
-    for (EngineSoftObject& object : e.objects) {
-      const int from = object.previous.vertex;
-      object.previous.vertex = -1;
-      if (from < 0) continue;
-      for (const EngineSoftObject& before : own.objects) {
-        if (before.at.vertex != from || before.model != (object.before ? object.before : object.model))
-          continue;
-        object.previous = before.previous;
-        if (before.before) object.before = before.before;
-      }
-    }
-    for (EngineAttachment& a : e.attachments)
-      if (a.previous >= 0) a.previous = slotAt(own.attachments, a.previous).previous;
-    own.objects = std::move(e.objects), own.attachments = std::move(e.attachments);
-    batch.softsChanged_ = true;
-  }
-  void operator()(SetVertices e) const {
-    batch.flush();
-    e.first += member.first.vertex;
-    batch.engine_->apply(e);
-  }
-  void operator()(AddVertexForce e) const {
-    batch.flush();
-    e.vertex += member.first.vertex;
-    batch.engine_->apply(e);
-  }
-};
-
-void Batch::apply(int world, const Edit& edit) {
-  std::visit(Translate{*this, world, slotAt(members_, world)}, edit);
+  if (edit.rules != own_.rules) engine_->apply(edit);
+  own_.rules = std::move(edit.rules);
+  own_.changed.rules = false;
 }
 
 void Batch::flushSofts() {
+  struct Place {
+    SoftRange first, count;
+    int firstAttachment, attachments;
+  };
+  std::vector<Place> places;
   std::vector<EngineSoftObject> objects;
   std::vector<EngineAttachment> attachments;
   SoftRange next;
   next.vertex = 0;
-  for (Member& member : members_) {
-    member.first = next;
-    for (EngineSoftObject& object : member.references.objects) {
+  for (const Member& member : own_.members) {
+    const WorldReferences& own = member.references;
+    const SoftRange first = next;
+    for (const EngineSoftObject& object : own.objects) {
       EngineSoftObject& placed = objects.emplace_back(object);
       placed.at = next;
       if (placed.surface >= 0) placed.surface = slotAt(member.surfaces, placed.surface);
-      object.previous = next, object.before = nullptr;
       advance(next, sizeOf(*object.model));
     }
-    member.count = next;
-    member.count.vertex -= member.first.vertex, member.count.edge -= member.first.edge,
-        member.count.face -= member.first.face;
-    for (int k = 0; k < SoftRange::kElementTypes; ++k) member.count.element[k] -= member.first.element[k];
-    member.firstAttachment = static_cast<int>(attachments.size());
-    member.attachments = static_cast<int>(member.references.attachments.size());
-    for (EngineAttachment& a : member.references.attachments) {
+    SoftRange size = next;
+    size.vertex -= first.vertex, size.edge -= first.edge, size.face -= first.face;
+    for (int k = 0; k < SoftRange::kElementTypes; ++k) size.element[k] -= first.element[k];
+    places.push_back(
+        {first, size, static_cast<int>(attachments.size()), static_cast<int>(own.attachments.size())});
+    for (const EngineAttachment& a : own.attachments) {
       EngineAttachment& placed = attachments.emplace_back(a);
       for (int& v : placed.v)
-        if (v >= 0) v += member.first.vertex;
+        if (v >= 0) v += first.vertex;
       if (placed.body >= 0) placed.body = slotAt(member.bodies, placed.body);
-      a.previous = static_cast<int>(attachments.size()) - 1;
     }
   }
-  engine_->apply(SetDeformables{std::move(objects), std::move(attachments)});
-  softsChanged_ = false, layoutChanged_ = true;
+  engine_->apply(SetDeformables{objects, std::move(attachments)});
+
+  auto object = objects.begin();
+  for (std::size_t w = 0; w < places.size(); ++w) {
+    Member& member = own_.members[w];
+    member.first = places[w].first, member.count = places[w].count;
+    member.firstAttachment = places[w].firstAttachment, member.attachments = places[w].attachments;
+    for (EngineSoftObject& own : member.references.objects) own.previous = object++->at, own.before = nullptr;
+    for (int k = 0; k < member.attachments; ++k)
+      slotAt(member.references.attachments, k).previous = member.firstAttachment + k;
+  }
+  own_.changed.softs = false, own_.changed.layout = true;
+}
+
+void Batch::flushPlanes() {
+  SetPlanes planes;
+  for (const Member& member : own_.members) {
+    planes.firstOfWorld.push_back(static_cast<int>(planes.ids.size()));
+    for (const int id : member.references.planes) planes.ids.push_back(slotAt(member.bodies, id));
+  }
+  planes.firstOfWorld.push_back(static_cast<int>(planes.ids.size()));
+  engine_->apply(planes);
+  own_.changed.planes = false;
 }
 
 void Batch::flush() {
-  if (rulesChanged_) flushRules();
-  if (softsChanged_) flushSofts();
-  if (layoutChanged_) {
+  if (own_.changed.rules) flushRules();
+  if (own_.changed.softs) flushSofts();
+  if (own_.changed.layout) {
     std::vector<WorldLayout> layouts;
-    for (const Member& m : members_)
+    for (const Member& m : own_.members)
       layouts.push_back(
           {m.bodies, m.first, m.count, m.firstAttachment, m.attachments, m.joints, m.shapes, m.surfaces});
-    worlds().setLayout(layouts, spareBodies_);
-    layoutChanged_ = false, rowsChanged_ = true;
-  }
-  for (const auto& [world, settings] : std::exchange(settings_, {})) {
-    WorldSettings own = worlds().settingsOf(world);
-    own.gravity = settings.gravity, own.wakeAll |= settings.wakeAll;
-    worlds().setSettings(world, own);
+    worlds().setLayout(layouts, own_.spareBodies);
+    own_.changed.layout = false, rowsChanged_ = true;
   }
   // each world wakes in its next step, which may be another one
-  for (int world = 0; wakesAll_ && world < count(); ++world) {
+  for (int world = 0; (own_.changed.settings || wakesAll_) && world < count(); ++world) {
+    std::optional<EngineSettings>& given = slotAt(own_.members, world).settings;
+    if (!given && !wakesAll_) continue;
     WorldSettings own = worlds().settingsOf(world);
-    own.wakeAll = true;
+    if (given) own.gravity = given->gravity, own.wakeAll |= given->wakeAll;
+    own.wakeAll |= wakesAll_;
     worlds().setSettings(world, own);
+    given.reset();
   }
-  wakesAll_ = false;
-  if (planesChanged_) {
-    SetPlanes planes;
-    for (const Member& member : members_) {
-      planes.firstOfWorld.push_back(static_cast<int>(planes.ids.size()));
-      for (const int id : member.references.planes)
-        planes.ids.push_back(member.bodies[static_cast<std::size_t>(id)]);
-    }
-    planes.firstOfWorld.push_back(static_cast<int>(planes.ids.size()));
-    engine_->apply(planes);
-    planesChanged_ = false;
-  }
-}
-
-std::shared_ptr<const WorldSnapshot> Batch::snapshot(int world) {
-  flush();
-  const Member& member = slotAt(members_, world);
-  auto out = std::make_shared<WorldSnapshot>();
-  out->family = family_;
-  out->state = worlds().takeWorld(world);
-  out->previousDt = worlds().settingsOf(world).previousDt;
-  out->bodies = member.bodies.size();
-  for (const std::vector<int>& slots : member.joints) out->joints.push_back(slots.size());
-  out->references = member.references;
-  return out;
-}
-
-const WorldSnapshot& Batch::own(const EngineSnapshot& snapshot) const {
-  const auto* found = dynamic_cast<const WorldSnapshot*>(&snapshot);
-  if (!found || found->family != family_)
-    throw Error("snapshot", "one of a world of the same batch", "another");
-  return *found;
-}
-
-void Batch::takeReferences(int world, const WorldSnapshot& snapshot) {
-  Member& member = slotAt(members_, world);
-  const Translate translate{*this, world, member};
-  while (member.bodies.size() < snapshot.bodies)
-    translate(SetBody{static_cast<int>(member.bodies.size()), {}});
-  while (member.bodies.size() > snapshot.bodies) {
-    translate(SetBody{static_cast<int>(member.bodies.size()) - 1, {}});
-    spareBodies_.push_back(member.bodies.back());
-    member.bodies.pop_back();
-    layoutChanged_ = true;
-  }
-  for (std::size_t type = 0; type < snapshot.joints.size(); ++type) {
-    std::vector<int>& slots = member.joints[type];
-    while (slots.size() > snapshot.joints[type]) {
-      SetJoint none{static_cast<int>(slots.size()) - 1, {}};
-      none.joint.type = static_cast<int>(type);
-      translate(none);
-      spareJoints_[type].push_back(slots.back());
-      slots.pop_back();
-      layoutChanged_ = true;
-    }
-    while (member.joints[type].size() < snapshot.joints[type]) {
-      SetJoint none{static_cast<int>(member.joints[type].size()), {}};
-      none.joint.type = static_cast<int>(type);
-      translate(none);
-    }
-  }
-  const WorldReferences &to = snapshot.references, before = member.references;
-  for (const auto& [a, b] : before.excluded)
-    if (!to.excluded.contains({a, b})) translate(SetExcluded{a, b, false});
-  for (const auto& [a, b] : to.excluded)
-    if (!before.excluded.contains({a, b})) translate(SetExcluded{a, b, true});
-  planesChanged_ |= before.planes != to.planes;
-  WorldReferences& now = member.references;
-  now.planes = to.planes;
-  if (before.surfaces != to.surfaces) translate(SetSurfaces{to.surfaces, to.rules});
-  const auto sameShapes = [](const AddShape& a, const AddShape& b) {
-    return a.shape == b.shape && a.place == b.place;
-  };
-  if (!std::ranges::equal(before.shapes, to.shapes, sameShapes)) {
-    now.shapes = to.shapes;
-    member.shapes.clear();
-    for (const AddShape& shape : to.shapes) translate.place(shape);
-    for (const AddShape& shape : before.shapes) dropShape(shape.shape);
-  }
-  const auto sameModels = [](const EngineSoftObject& a, const EngineSoftObject& b) {
-    return a.model == b.model;
-  };
-  const auto sameEnds = [](const EngineAttachment& a, const EngineAttachment& b) {
-    return std::ranges::equal(a.v, b.v) && a.body == b.body;
-  };
-  if (std::ranges::equal(before.objects, to.objects, sameModels) &&
-      std::ranges::equal(before.attachments, to.attachments, sameEnds))
-    return;
-  now.objects = to.objects, now.attachments = to.attachments;
-  for (EngineSoftObject& object : now.objects) object.previous.vertex = -1;
-  for (EngineAttachment& a : now.attachments) a.previous = -1;
-  softsChanged_ = true;
-}
-
-void Batch::restore(std::span<const int> list, std::span<const WorldSnapshot* const> snapshots) {
-  std::vector<std::pair<int, const WorldSnapshot*>> changes;
-  for (std::size_t k = 0; k < list.size(); ++k) changes.emplace_back(list[k], snapshots[k]);
-  std::ranges::sort(changes);
-  for (const auto& [world, snapshot] : changes) takeReferences(world, *snapshot);
-  flush();
-  std::vector<int> order;
-  std::vector<std::span<const std::byte>> states;
-  for (const auto& [world, snapshot] : changes) {
-    order.push_back(world), states.emplace_back(snapshot->state);
-    WorldSettings settings = worlds().settingsOf(world);
-    settings.previousDt = snapshot->previousDt, settings.wakeAll = false;
-    worlds().setSettings(world, settings);
-  }
-  worlds().putWorlds(order, states);
+  own_.changed.settings = wakesAll_ = false;
+  if (own_.changed.planes) flushPlanes();
 }
 
 }  // namespace rubble

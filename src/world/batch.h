@@ -2,12 +2,16 @@
 /// Many worlds in one engine. Each world sees an engine of its own, with its own numbers of bodies, joints
 /// and vertices (WorldSlice).
 #include <map>
+#include <optional>
 #include <set>
 
 #include "backend/engine.h"
 #include "world/shape_space.h"
 
 namespace rubble {
+
+/// Element i of a list.
+template <class List> auto& slotAt(List& list, int i) { return list[static_cast<std::size_t>(i)]; }
 
 /// What a world refers to, in its own numbers. A snapshot has a copy.
 struct WorldReferences {
@@ -39,17 +43,22 @@ class Batch {
   /// world only.
   Batch(std::unique_ptr<Engine> engine, const Params& params, std::shared_ptr<const int> family);
 
-  int count() const { return static_cast<int>(members_.size()); }
+  int count() const { return static_cast<int>(own_.members.size()); }
   int addWorld();
-  void apply(int world, const Edit& edit);
-  /// Places the elements that edits have added.
+  /// Takes back the last addWorld(), with everything that the world has.
+  void dropWorld() noexcept;
+  /// Applies edits of a world in their order, all of them or none.
+  void apply(int world, std::span<const Edit> edits);
+  /// Places the elements that edits have added. Without memory for it nothing is lost: the next call goes on.
   void flush();
   Engine& engine() { return *engine_; }
   BatchEngine& worlds() { return *engine_->batch(); }
   /// Row in the arrays of the engine of each body of a world.
-  const std::vector<int>& rowsOf(int world) const { return members_[static_cast<std::size_t>(world)].bodies; }
+  const std::vector<int>& rowsOf(int world) const {
+    return own_.members[static_cast<std::size_t>(world)].bodies;
+  }
   /// Number of rows, with those of bodies of no world.
-  int rows() const { return bodies_; }
+  int rows() const { return own_.bodies; }
   void setParams(const Params& params);
   void configure(int world, const EngineSettings& settings);
 
@@ -64,11 +73,15 @@ class Batch {
   int firstAxis(int world) const { return firstAxis_[static_cast<std::size_t>(world)]; }
   int firstJoint(int world) const { return firstJoint_[static_cast<std::size_t>(world)]; }
   /// First row of a world in the arrays of vertices, and their number, valid after flush().
-  int firstVertex(int world) const { return members_[static_cast<std::size_t>(world)].first.vertex; }
-  int vertices(int world) const { return members_[static_cast<std::size_t>(world)].count.vertex; }
+  int firstVertex(int world) const { return own_.members[static_cast<std::size_t>(world)].first.vertex; }
+  int vertices(int world) const { return own_.members[static_cast<std::size_t>(world)].count.vertex; }
 
-  /// `snapshots`: one for each of the worlds, which are distinct.
-  void restore(std::span<const int> worlds, std::span<const WorldSnapshot* const> snapshots);
+  /// States that worlds are about to have. Without commit() they keep those that they had.
+  class Restoring;
+  /// `snapshots`: one for each of the worlds, which are distinct. They must outlive the result, which is used
+  /// before any other call.
+  std::unique_ptr<Restoring> prepareToRestore(std::span<const int> worlds,
+                                              std::span<const WorldSnapshot* const> snapshots);
 
  private:
   struct Member {
@@ -80,38 +93,76 @@ class Batch {
     SoftRange first, count;          ///< of its deformable objects in the tables
     int firstAttachment = 0, attachments = 0;
     JointRows rows;
+    std::optional<EngineSettings> settings;  ///< not yet given to the engine
   };
-  struct Translate;
-  int surfaceOf(const Material& material);
-  void flushRules();
-  /// Finds or makes the place of a shape in the tables: of its indices.
-  int placeShape(const AddShape& shape);
-  /// Takes back one call of placeShape().
-  void dropShape(const std::shared_ptr<const CookedShape>& shape);
-  void flushSofts();
-  void takeReferences(int world, const WorldSnapshot& snapshot);
-
-  std::unique_ptr<Engine> engine_;
-  Params params_;
-  std::shared_ptr<const int> family_;
-  std::vector<Member> members_;
-  int bodies_ = 0;
-  std::vector<int> jointSlots_;                ///< by type
-  std::vector<int> spareBodies_;               ///< of no world
-  std::vector<std::vector<int>> spareJoints_;  ///< likewise, by type
-  std::vector<Material> surfaces_;
-  std::vector<EngineMaterialRule> rules_;  ///< those in the tables, of all worlds
   struct ShapeInTables {
     ShapePlace place;
     int uses = 0;  ///< by worlds
   };
-  std::map<std::shared_ptr<const CookedShape>, ShapeInTables> shapes_;
-  ShapeSpace space_;
-  std::map<int, EngineSettings> settings_;   ///< of worlds, not yet given to the engine
+  /// What has changed since flush().
+  struct Changed {
+    bool layout = false, softs = false, planes = false, rules = false, settings = false;
+  };
+  /// Everything that the batch knows of its worlds and of what they share.
+  struct Records {
+    std::vector<Member> members;
+    int bodies = 0;
+    std::vector<int> jointSlots;                ///< by type
+    std::vector<int> spareBodies;               ///< of no world; there is room for all
+    std::vector<std::vector<int>> spareJoints;  ///< likewise, by type
+    std::vector<Material> surfaces;
+    std::vector<EngineMaterialRule> rules;  ///< those in the tables, of all worlds
+    std::map<std::shared_ptr<const CookedShape>, ShapeInTables> shapes;
+    ShapeSpace space;  ///< there is room to give back all shapes
+    Changed changed;
+
+    /// A copy has less room.
+    void makeRoom() {
+      spareBodies.reserve(static_cast<std::size_t>(bodies));
+      for (std::size_t type = 0; type < spareJoints.size(); ++type)
+        spareJoints[type].reserve(static_cast<std::size_t>(jointSlots[type]));
+      space.prepare(static_cast<int>(shapes.size()));
+    }
+  };
+  class Translation;
+  int takeBody();
+  int takeJoint(int type, int least);
+  int surfaceOf(const Material& material);
+  void flushRules();
+  void flushPlanes();
+  /// Finds or makes the place of a shape in the tables. The edits receive a new one.
+  ShapePlace placeShape(const AddShape& shape, std::vector<Edit>& edits);
+  /// Takes back one call of placeShape().
+  void dropShape(const std::shared_ptr<const CookedShape>& shape) noexcept;
+  void flushSofts();
+  bool sameElements(int world, const WorldSnapshot& snapshot) const;
+  void takeElements(int world, const WorldSnapshot& snapshot);
+
+  std::unique_ptr<Engine> engine_;
+  Params params_;
+  std::shared_ptr<const int> family_;
+  Records own_;
   std::vector<int> firstAxis_, firstJoint_;  ///< [worlds + 1]
   bool rowsChanged_ = true;
   bool wakesAll_ = false;  ///< parameters have changed
-  bool layoutChanged_ = false, softsChanged_ = false, planesChanged_ = false, rulesChanged_ = false;
+};
+
+class Batch::Restoring {
+ public:
+  ~Restoring();
+  Restoring(const Restoring&) = delete;
+  Restoring& operator=(const Restoring&) = delete;
+  /// Needs no memory, unless the engine is on a device.
+  void commit();
+
+ private:
+  friend Batch;
+  explicit Restoring(Batch& batch) : batch_(batch) {}
+
+  Batch& batch_;
+  std::vector<std::pair<int, const WorldSnapshot*>> changes_;  ///< ascending in the worlds
+  std::optional<Records> before_;                              ///< where worlds get other elements
+  std::function<void()> putBack_, put_;
 };
 
 /// The engine of one world of a batch.
@@ -120,9 +171,7 @@ class WorldSlice final : public Engine {
   WorldSlice(std::shared_ptr<Batch> batch, int world) : batch_(std::move(batch)), world_(world) {}
 
   void configure(const EngineSettings& settings) override { batch_->configure(world_, settings); }
-  void apply(std::span<const Edit> edits) override {
-    for (const Edit& edit : edits) batch_->apply(world_, edit);
-  }
+  void apply(std::span<const Edit> edits) override { batch_->apply(world_, edits); }
   /// A step of this world alone.
   void step(StepReport& report) override;
   void sortBodies() override;

@@ -70,7 +70,7 @@ ArrayView World::contactForces(std::span<const std::array<BodyId, 2>> pairs) con
 }
 
 void World::scatter(JointArray which, const ArrayView& rows, const ArrayView& values) {
-  checkScatter(which, rows, values);
+  withMemory("scatter", [&] { checkScatter(which, rows, values); });
   if (rows.shape[0] == 0) return;
   if (values.device && !impl_->engine->poseCopies())
     throw Error("values", "host memory", "memory of a device");

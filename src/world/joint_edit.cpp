@@ -200,7 +200,8 @@ void World::Impl::apply(JointId id, JointDef def, EngineJoint joint) {
   pass(inputs::SetDefinition{id, changed.def});
 }
 
-void World::Impl::findBroken(std::vector<JointId>& broken) {
+void World::Impl::findUnlistedBreaks() {
+  if (!registry.hasUnlistedBreaks) return;
   const std::vector<std::pair<int, int>> all = engine->read().brokenJoints();
   std::vector<JointId> found;
   for (const JointId id : registry.joints.ids()) {
@@ -220,6 +221,7 @@ void World::Impl::findBroken(std::vector<JointId>& broken) {
   engine->apply(edits);
   for (const JointId id : found) registry.joints.edit(id).broken = true;
   broken.insert(broken.end(), found.begin(), found.end());
+  registry.hasUnlistedBreaks = false;
 }
 
 }  // namespace rubble

@@ -199,12 +199,15 @@ void checkScatter(JointArray which, const ArrayView& rows, const ArrayView& valu
 }
 
 void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
-  checkScatter(which, rows, values);
+  withMemory("scatter", [&] {
+    checkScatter(which, rows, values);
+    if (rows.shape[0] == 0) return;
+    impl_->flush();
+    const bool onDevice = impl_->engine->poseCopies() != nullptr;
+    expect(onDevice || !values.device, "values", "host memory", "memory of a device");
+    impl_->engine->scatter(which, rows, values);
+  });
   if (rows.shape[0] == 0) return;
-  withMemory("scatter", [&] { impl_->flush(); });
-  const bool onDevice = impl_->engine->poseCopies() != nullptr;
-  expect(onDevice || !values.device, "values", "host memory", "memory of a device");
-  withMemory("scatter", [&] { impl_->engine->scatter(which, rows, values); });
   impl_->pass(inputs::Scatter{which, rows, values});
 }
 

@@ -110,8 +110,10 @@ ShapeId TableAdditions::addShape(const Shape& shape, const Path& path) {
 }
 
 std::vector<Edit> TableAdditions::edits() const {
-  std::vector<Edit> out(addShapes_.begin(), addShapes_.end());
+  std::vector<Edit> out;
+  // parts of shapes name materials
   if (!surfaces_.empty()) out.push_back(surfacesEdit(surfaces(), registry_.materialPairs));
+  out.insert(out.end(), addShapes_.begin(), addShapes_.end());
   return out;
 }
 

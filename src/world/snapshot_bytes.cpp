@@ -167,7 +167,7 @@ template <class A> void fields(A& a, Registry& r) {
   all(a, r.bodies, r.joints, r.softs, r.attachments, r.softNames, r.sceneSofts, r.softOrder, r.bodyNames,
       r.jointNames, r.sceneBodies, r.shapes, r.surfaces, r.materialPairs);
   all(a, r.freeJointSlots, r.jointSlots, r.exclusions, r.planes, r.touches, r.sleepers, r.hasUnlistedBreaks,
-      r.gravity, r.step, r.time, r.script, r.nextEvent, r.actuators);
+      r.gravity, r.step, r.time, r.script, r.nextEvent, r.partsOfEvent, r.actuators);
 }
 
 namespace {

@@ -68,15 +68,21 @@ StepReport World::step() {
   StepReport report = withMemory("step", [&] {
     StepReport out;
     impl_->flush();
-    if (r.hasUnlistedBreaks) impl_->findBroken(out.broken);
-    r.hasUnlistedBreaks = false;
+    impl_->findUnlistedBreaks();
     out.step = r.step;
     const int interval = impl_->params.sortInterval;
     out.sorted = impl_->sortSoon || (interval > 0 && r.step % interval == 0);
     if (out.sorted) impl_->engine->sortBodies(), ++impl_->epoch;
     impl_->sortSoon = false;
-    impl_->engine->step(out);
-    impl_->finishStep(out, out.broken, 0);
+    try {
+      impl_->engine->step(out);
+    } catch (const LostPausedContacts&) {
+      impl_->countStep(out, false);
+      throw;
+    }
+    impl_->countStep(out, false);
+    impl_->finishStep(out);
+    out.broken = impl_->broken;
     return out;
   });
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -86,21 +92,15 @@ StepReport World::step() {
       logStep(report, "step " + std::to_string(report.step), impl_->log);
       impl_->idle.write(impl_->log);
     });
+  impl_->broken.clear();
   return report;
 }
 
-void World::Impl::finishStep(const StepReport& taken, std::vector<JointId>& broken, std::size_t first) {
-  // the step is taken; what follows reports it
-  ++registry.step;
-  registry.time += params.dt;
-  if (difference != taken.difference) difference = taken.difference;
+void World::Impl::finishStep(const StepReport& taken) {
   if (wantsEvents) events = {};
-  if (taken.brokenJoints > 0) {
-    registry.hasUnlistedBreaks = true;
-    findBroken(broken);
-    registry.hasUnlistedBreaks = false;
-  }
-  if (wantsEvents) collectEvents(std::span(broken).subspan(first));
+  if (difference != taken.difference) difference = taken.difference;
+  findUnlistedBreaks();
+  if (wantsEvents) collectEvents(broken);
 }
 
 void World::sortBodies() {
@@ -113,7 +113,7 @@ void World::setParams(const Params& params) {
   validate(params);
   const Params before = std::exchange(impl_->params, params);
   try {
-    impl_->configure(true);
+    withMemory("setParams", [&] { impl_->configure(true); });
   } catch (...) {
     impl_->params = before;
     throw;
@@ -123,8 +123,10 @@ void World::setParams(const Params& params) {
 Vec3 World::gravity() const { return impl_->registry.gravity; }
 void World::setGravity(const Vec3& gravity) {
   checks::finite(gravity, "gravity");
-  impl_->registry.gravity = gravity;
-  impl_->configure(true);
+  const Vec3 before = std::exchange(impl_->registry.gravity, gravity);
+  Undo undo([&] { impl_->registry.gravity = before; });
+  withMemory("setGravity", [&] { impl_->configure(true); });
+  undo.keep();
   impl_->pass(inputs::SetGravity{gravity});
 }
 std::int64_t World::stepCount() const { return impl_->registry.step; }
@@ -263,20 +265,34 @@ void World::restore(const Snapshot& snapshot) {
   if (snapshot.data->doublePrecision != impl_->doublePrecision)
     throw Error("snapshot", "one of the precision of this backend",
                 snapshot.data->doublePrecision ? "one in double" : "one in float");
-  Registry registry = withMemory("restore", [&] {
+  withMemory("restore", [&] {
     Registry copy = snapshot.data->registry;
-    impl_->engine->restore(*snapshot.data->engine);
-    return copy;
+    impl_->restoreEngine(*snapshot.data->engine, copy);
+    impl_->restoreRecords(std::move(copy), snapshot.data->params);
   });
-  impl_->restoreRecords(std::move(registry), snapshot.data->params);
   impl_->pass(inputs::Restore{snapshot});
 }
 
+void World::Impl::restoreEngine(const EngineSnapshot& snapshot, const Registry& from) {
+  // rules are no part of the state of an engine, but of a batch
+  if (inBatch || (registry.materialPairs.empty() && from.materialPairs.empty()))
+    return engine->restore(snapshot);
+  const SetSurfaces before = surfacesEdit(registry.surfaces, registry.materialPairs),
+                    after = surfacesEdit(from.surfaces, from.materialPairs);
+  // the first time for the memory that it takes
+  engine->apply(after);
+  try {
+    engine->restore(snapshot);
+  } catch (...) {
+    engine->apply(before);
+    throw;
+  }
+  engine->apply(after);
+}
+
 void World::Impl::restoreRecords(Registry&& from, const Params& own) {
-  const bool ruled = !registry.materialPairs.empty() || !from.materialPairs.empty();
   registry = std::move(from);
-  // rules are no part of the state of the engine
-  if (ruled) engine->apply(surfacesEdit(registry.surfaces, registry.materialPairs));
+  broken.clear();
   setActuatorValues(registry.actuators, registry.actuatorDefinitions);
   registry.actuators.clear(), registry.actuatorDefinitions.clear();
   jointRowsChanged = true;

@@ -139,6 +139,7 @@ struct Registry {
   /// Scripted events of the scene, by step, and the first that has not been applied. Null: none.
   std::shared_ptr<const std::vector<Event>> script;
   int nextEvent = 0;
+  int partsOfEvent = 0;  ///< of that event which were applied before memory ended
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;
@@ -183,7 +184,8 @@ struct World::Impl {
   bool jointRowsChanged = true;  ///< since sendJointRows()
   bool sortSoon = false;         ///< the next step sorts the bodies
   bool wantsEvents = false;
-  std::string difference;  ///< of the reports
+  std::string difference;       ///< of the reports
+  std::vector<JointId> broken;  ///< that no report has listed
   Params params;
   bool doublePrecision = false;  ///< of the engine; snapshots of the other precision cannot be restored
   std::int64_t epoch = 0;
@@ -212,15 +214,25 @@ struct World::Impl {
       return std::numeric_limits<std::int64_t>::max();
     return (*registry.script)[static_cast<std::size_t>(registry.nextEvent)].step - registry.step;
   }
-  /// Records a step of this world, alone or with others. Appends the joints that broke to those of this world
-  /// from `first` on.
-  void finishStep(const StepReport& taken, std::vector<JointId>& broken, std::size_t first);
+  /// Counts a step of this world, alone or with others. `listsAnew`: joints that broke before are listed.
+  void countStep(const StepReport& taken, bool listsAnew) noexcept {
+    ++registry.step;
+    registry.time += params.dt;
+    registry.hasUnlistedBreaks |= taken.brokenJoints > 0;
+    if (listsAnew) broken.clear();
+  }
+  /// Collects what is to be reported of a step that was counted.
+  void finishStep(const StepReport& taken);
+  /// Adds the joints that broke to `broken`, if that was not done yet.
+  void findUnlistedBreaks();
   void addActuators(const std::shared_ptr<ActuatorState>& state, std::size_t world);
   /// What a snapshot has of them, and back.
   std::vector<std::vector<double>> actuatorValues(std::vector<ActuatorList>* definitions) const;
   void setActuatorValues(const std::vector<std::vector<double>>& values,
                          const std::vector<ActuatorList>& definitions);
-  /// Takes over everything of a snapshot but the state of its engine.
+  /// Restores the engine, with the rules of materials that the records have.
+  void restoreEngine(const EngineSnapshot& snapshot, const Registry& from);
+  /// Takes over everything of a snapshot but the state of its engine. Needs no memory.
   void restoreRecords(Registry&& from, const Params& own);
   /// Adds valid bodies, or none: an Error names that of `list` which cannot be made.
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const Path& list);
@@ -258,8 +270,6 @@ struct World::Impl {
     edit(def.axes[static_cast<std::size_t>(axis)]);
     redefine(id, def);
   }
-  /// Records the joints that broke in this step.
-  void findBroken(std::vector<JointId>& broken);
   JointBodies jointBodies(const JointRecord& joint) const;
   /// Appends the end of a shape, if it ends with so many uses less.
   void addDrop(std::vector<Edit>& edits, ShapeId id, int uses) const;

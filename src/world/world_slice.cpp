@@ -6,9 +6,10 @@
 namespace rubble {
 
 void Batch::setJointRows(int world, const JointRows& rows) {
-  JointRows& own = members_[static_cast<std::size_t>(world)].rows;
+  JointRows& own = own_.members[static_cast<std::size_t>(world)].rows;
   if (own == rows) return;
-  own = rows, rowsChanged_ = true;
+  JointRows copy = rows;
+  own = std::move(copy), rowsChanged_ = true;
 }
 
 void Batch::sendJointRows() {
@@ -16,7 +17,7 @@ void Batch::sendJointRows() {
   if (!rowsChanged_) return;
   JointRows all;
   firstAxis_ = firstJoint_ = {0};
-  for (const Member& member : members_) {
+  for (const Member& member : own_.members) {
     const auto add = [&](const std::vector<EngineAxis>& from, std::vector<EngineAxis>& to) {
       for (EngineAxis axis : from) {
         const std::vector<int>& slots = member.joints[static_cast<std::size_t>(axis.type)];
@@ -56,7 +57,7 @@ const EngineQueries& WorldSlice::ofWorld(const EngineQueries& asked) {
 
 void WorldSlice::restore(const EngineSnapshot& snapshot) {
   const WorldSnapshot* const own = &batch_->own(snapshot);
-  batch_->restore({&world_, 1}, {&own, 1});
+  batch_->prepareToRestore({&world_, 1}, {&own, 1})->commit();
 }
 
 ArrayView WorldSlice::bodyRows(ArrayView view) const {

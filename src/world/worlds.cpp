@@ -23,9 +23,7 @@ void accumulate(WorldsReport& to, const WorldsReport& from) {
     to.*member = std::max(to.*member, from.*member);
   to.surfaceTests += from.surfaceTests;
   to.unfinishedMotion = std::max(to.unfinishedMotion, from.unfinishedMotion);
-  to.broken.insert(to.broken.end(), from.broken.begin(), from.broken.end());
   if (to.difference.empty()) to.difference = from.difference;
-  to.brokenIn.insert(to.brokenIn.end(), from.brokenIn.begin(), from.brokenIn.end());
   for (const Growth& growth : from.grown) {
     const auto found = std::ranges::find(to.grown, growth.what, &Growth::what);
     if (found == to.grown.end())
@@ -67,24 +65,37 @@ WorldsReport Worlds::Impl::step(std::size_t batch, int steps, std::span<const ch
   WorldsReport report;
   if (!paused.empty() && std::ranges::all_of(paused, isPaused)) return report;
   if (std::ranges::none_of(paused, isPaused)) paused.clear();
+  const auto forEachActive = [&](auto&& f) {
+    for (int w = first; w < first + size; ++w)
+      if (paused.empty() || !paused[static_cast<std::size_t>(w - first)]) f(at(w));
+  };
   for (int w = first; w < first + size; ++w) at(w).flush();
+  forEachActive([](World::Impl& world) { world.findUnlistedBreaks(); });
   for (int k = 0; k < steps; ++k) {
     report = {};
     batches[batch]->flush();  // what joints that broke have changed
-    batches[batch]->worlds().stepWorlds(report, paused);
-    for (int w = first; w < first + size; ++w) {
-      if (!paused.empty() && paused[static_cast<std::size_t>(w - first)]) continue;
-      at(w).finishStep(report, report.broken, report.broken.size());
-      report.brokenIn.resize(report.broken.size(), w);
+    const auto finish = [&] {
+      // all have taken the step before any of them reports it
+      forEachActive([&](World::Impl& world) { world.countStep(report, k > 0); });
+      forEachActive([&](World::Impl& world) { world.finishStep(report); });
+    };
+    try {
+      batches[batch]->worlds().stepWorlds(report, paused);
+    } catch (const LostPausedContacts&) {
+      finish();
+      throw;
     }
+    finish();
   }
   return report;
 }
 
-Worlds::Worlds(const WorldOptions& options) {
+Worlds::Worlds(const WorldOptions& options) try {
   validate(options);
   impl_ = std::make_unique<Impl>(options);
   Batch(makeEngine(impl_->options), options.params, impl_->family);  // throws if the options cannot be
+} catch (const std::bad_alloc&) {
+  throw OutOfMemory("Worlds");
 }
 Worlds::~Worlds() = default;
 Worlds::Worlds(Worlds&&) noexcept = default;
@@ -93,22 +104,33 @@ Worlds& Worlds::operator=(Worlds&&) noexcept = default;
 int Worlds::add(const Scene& scene) { return addCopies(scene, 1); }
 
 int Worlds::addCopies(const Scene& scene, int count) {
-  validate(scene);
-  const int first = this->count();
-  for (int k = 0; k < count; ++k) {
-    auto world = std::make_unique<World::Impl>();
-    const std::shared_ptr<Batch> batch = impl_->batchForNext();
-    world->params = impl_->options.params;
-    world->engine = std::make_unique<WorldSlice>(batch, batch->addWorld());
-    world->doublePrecision = impl_->options.backend == "reference";
-    world->wantsEvents = impl_->options.events, world->tasks = impl_->threads.tasks();
-    world->cooked = impl_->cooked, world->inBatch = true;
-    World::Impl& built = *world;
-    impl_->worlds.push_back(World(std::move(world)));
-    impl_->random.push_back(Impl::firstRandomState(impl_->seed, first + k));
-    built.build(scene);
-  }
-  return first;
+  return withMemory("addCopies", [&] {
+    validate(scene);
+    const int first = this->count();
+    Undo drop([&] { impl_->dropWorlds(first); });
+    for (int k = 0; k < count; ++k) impl_->addWorld().build(scene);
+    drop.keep();
+    return first;
+  });
+}
+
+World::Impl& Worlds::Impl::addWorld() {
+  auto world = std::make_unique<World::Impl>();
+  const std::shared_ptr<Batch> batch = batchForNext();
+  world->params = options.params;
+  world->doublePrecision = options.backend == "reference";
+  world->wantsEvents = options.events, world->tasks = threads.tasks();
+  world->cooked = cooked, world->inBatch = true;
+  auto slice = std::make_unique<WorldSlice>(batch, batch->count());
+  World::Impl& out = *world;
+  reserveMore(random, 1);
+  worlds.push_back(World(std::move(world)));
+  Undo drop([&] { worlds.pop_back(); });
+  batch->addWorld();
+  out.engine = std::move(slice);
+  random.push_back(firstRandomState(seed, count() - 1));
+  drop.keep();
+  return out;
 }
 
 int Worlds::count() const { return impl_->count(); }
@@ -124,75 +146,103 @@ const World& Worlds::operator[](int world) const {
 
 WorldsReport Worlds::step(int steps) { return step(steps, {}); }
 
-WorldsReport Worlds::step(int steps, std::span<const char> active) try {
+WorldsReport Worlds::step(int steps, std::span<const char> active) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   if (!active.empty() && static_cast<int>(active.size()) != count())
     throw Error("active", "one element per world, " + std::to_string(count()), std::to_string(active.size()));
-  WorldsReport report;
-  int left = steps;
-  do {
-    // up to the next scripted event of a world
-    int stride = left;
-    for (int w = 0; w < count(); ++w) {
-      if (!active.empty() && !active[static_cast<std::size_t>(w)]) continue;
-      const World::Impl& own = impl_->at(w);
-      if (own.stepsToEvent() <= 0) (*this)[w].runEvents();
-      stride = static_cast<int>(std::min<std::int64_t>(stride, own.stepsToEvent()));
+  return withMemory("step", [&] {
+    WorldsReport report;
+    int left = steps;
+    do {
+      // up to the next scripted event of a world
+      int stride = left;
+      for (int w = 0; w < count(); ++w) {
+        if (!active.empty() && !active[static_cast<std::size_t>(w)]) continue;
+        World::Impl& own = impl_->at(w);
+        if (left < steps) own.broken.clear();
+        if (own.stepsToEvent() <= 0) (*this)[w].runEvents();
+        stride = static_cast<int>(std::min<std::int64_t>(stride, own.stepsToEvent()));
+      }
+      std::vector<WorldsReport> reports(impl_->batches.size());
+      impl_->forEachBatch([&](std::size_t k) { reports[k] = impl_->step(k, stride, active); });
+      report = {};
+      for (const WorldsReport& each : reports) accumulate(report, each);
+      left -= stride;
+    } while (left > 0);
+    impl_->listBreaks(report, active);
+    report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+    if (const LogSink& log = impl_->options.log) {
+      for (int w = 0; w < count(); ++w) impl_->idle.add(impl_->at(w).idle);
+      logStep(report, "a step of " + std::to_string(count()) + " worlds", log);
+      impl_->idle.write(log);
     }
-    std::vector<WorldsReport> reports(impl_->batches.size());
-    impl_->forEachBatch([&](std::size_t k) { reports[k] = impl_->step(k, stride, active); });
-    report = {};
-    for (const WorldsReport& each : reports) accumulate(report, each);
-    left -= stride;
-  } while (left > 0);
-  report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-  if (const LogSink& log = impl_->options.log) {
-    for (int w = 0; w < count(); ++w) impl_->idle.add(impl_->at(w).idle);
-    logStep(report, "a step of " + std::to_string(count()) + " worlds", log);
-    impl_->idle.write(log);
+    for (int w = 0; w < count(); ++w)
+      if (active.empty() || active[static_cast<std::size_t>(w)]) impl_->at(w).broken.clear();
+    return report;
+  });
+}
+
+void Worlds::Impl::listBreaks(WorldsReport& report, std::span<const char> active) {
+  std::size_t all = 0;
+  for (int w = 0; w < count(); ++w) all += at(w).broken.size();
+  report.broken.reserve(all), report.brokenIn.reserve(all);
+  for (int w = 0; w < count(); ++w) {
+    if (!active.empty() && !active[static_cast<std::size_t>(w)]) continue;
+    const std::vector<JointId>& own = at(w).broken;
+    report.broken.insert(report.broken.end(), own.begin(), own.end());
+    report.brokenIn.resize(report.broken.size(), w);
   }
-  return report;
-} catch (const std::bad_alloc&) {
-  throw Error("step", "memory for the tables that it needs", "none left");
 }
 
 void Worlds::reset(std::span<const int> worlds, std::span<const Snapshot> snapshots) {
   if (snapshots.size() != 1 && snapshots.size() != worlds.size())
     throw Error("snapshots", "one, or as many as worlds, " + std::to_string(worlds.size()),
                 std::to_string(snapshots.size()));
-  impl_->requireDistinct(worlds);
+  withMemory("reset", [&] { impl_->reset(worlds, snapshots); });
+}
+
+void Worlds::Impl::reset(std::span<const int> list, std::span<const Snapshot> snapshots) {
+  requireDistinct(list);
   struct Changes {
     std::vector<int> worlds;  ///< in their batch
     std::vector<const WorldSnapshot*> states;
   };
-  std::vector<Changes> changes(impl_->batches.size());
+  std::vector<Changes> changes(batches.size());
+  std::vector<Registry> registries;
   const auto snapshotOf = [&](std::size_t k) -> const Snapshot& {
     return snapshots[snapshots.size() == 1 ? 0 : k];
   };
-  for (std::size_t k = 0; k < worlds.size(); ++k) {
+  for (std::size_t k = 0; k < list.size(); ++k) {
     const Snapshot& snapshot = snapshotOf(k);
     if (!snapshot.data) throw Error("snapshots", "those made by World::snapshot", "an empty one");
-    Changes& own = changes[static_cast<std::size_t>(worlds[k] / impl_->perBatch)];
-    own.worlds.push_back(worlds[k] % impl_->perBatch);
-    own.states.push_back(&impl_->batchOf(worlds[k]).own(*snapshot.data->engine));
+    Changes& own = changes[static_cast<std::size_t>(list[k] / perBatch)];
+    own.worlds.push_back(list[k] % perBatch);
+    own.states.push_back(&batchOf(list[k]).own(*snapshot.data->engine));
+    registries.push_back(snapshot.data->registry);
   }
-  for (std::size_t k = 0; k < worlds.size(); ++k) {
-    Registry registry = snapshotOf(k).data->registry;
-    impl_->at(worlds[k]).restoreRecords(std::move(registry), snapshotOf(k).data->params);
-    RandomState& random = impl_->random[static_cast<std::size_t>(worlds[k])];
-    ++random.episode, random.drawn = 0;
-  }
-  impl_->forEachBatch([&](std::size_t k) {
-    if (!changes[k].worlds.empty()) impl_->batches[k]->restore(changes[k].worlds, changes[k].states);
+  // all of them, before any world changes
+  std::vector<std::unique_ptr<Batch::Restoring>> ready(batches.size());
+  forEachBatch([&](std::size_t k) {
+    if (!changes[k].worlds.empty())
+      ready[k] = batches[k]->prepareToRestore(changes[k].worlds, changes[k].states);
   });
+  forEachBatch([&](std::size_t k) {
+    if (ready[k]) ready[k]->commit();
+  });
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    at(list[k]).restoreRecords(std::move(registries[k]), snapshotOf(k).data->params);
+    RandomState& drawn = random[static_cast<std::size_t>(list[k])];
+    ++drawn.episode, drawn.drawn = 0;
+  }
 }
 
 const Params& Worlds::params() const { return impl_->options.params; }
 
 void Worlds::setParams(const Params& params) {
   validate(params);
-  for (const std::shared_ptr<Batch>& batch : impl_->batches) batch->setParams(params);
+  for (const std::shared_ptr<Batch>& batch : impl_->batches)
+    withMemory("setParams", [&] { batch->setParams(params); });
   impl_->options.params = params;
   for (int w = 0; w < count(); ++w) impl_->at(w).params = params;
 }

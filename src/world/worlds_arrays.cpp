@@ -41,6 +41,7 @@ void Worlds::Impl::scatter(auto which, const std::vector<int>& begin, const Arra
   struct Part {
     std::vector<int> rows;
     std::vector<std::int64_t> from;  ///< rows of `values`
+    std::vector<std::byte> values = {};
   };
   std::vector<Part> parts(batches.size());
   for (std::int64_t k = 0; k < rows.shape[0]; ++k) {
@@ -50,20 +51,20 @@ void Worlds::Impl::scatter(auto which, const std::vector<int>& begin, const Arra
     const auto batch = static_cast<std::size_t>(std::ranges::upper_bound(begin, row) - begin.begin() - 1);
     parts[batch].rows.push_back(row - begin[batch]), parts[batch].from.push_back(k);
   }
+  const auto row = static_cast<std::size_t>(values.strides[1] * values.shape[1]);
+  for (Part& part : parts) {
+    part.values.resize(part.rows.size() * row);
+    for (std::size_t i = 0; i < part.rows.size(); ++i)
+      std::memcpy(part.values.data() + i * row,
+                  static_cast<const std::byte*>(values.data) + part.from[i] * values.strides[0], row);
+  }
+  // from here on there is memory for everything
   forEachBatch([&](std::size_t k) {
     if (parts[k].rows.empty()) return;
-    const auto n = static_cast<std::int64_t>(parts[k].rows.size());
-    const auto row = static_cast<std::size_t>(values.strides[1] * values.shape[1]);
-    std::vector<std::byte> own(static_cast<std::size_t>(n) * row);
-    for (std::int64_t i = 0; i < n; ++i)
-      std::memcpy(own.data() + static_cast<std::size_t>(i) * row,
-                  static_cast<const std::byte*>(values.data) +
-                      parts[k].from[static_cast<std::size_t>(i)] * values.strides[0],
-                  row);
     ArrayView ownRows = rows, ownValues = values;
     ownRows.data = parts[k].rows.data(), ownRows.strides[0] = sizeof(int);
-    ownValues.data = own.data(), ownValues.strides[0] = static_cast<std::int64_t>(row);
-    ownRows.shape[0] = ownValues.shape[0] = n;
+    ownValues.data = parts[k].values.data(), ownValues.strides[0] = static_cast<std::int64_t>(row);
+    ownRows.shape[0] = ownValues.shape[0] = static_cast<std::int64_t>(parts[k].rows.size());
     batches[k]->engine().scatter(which, ownRows, ownValues);
   });
 }
@@ -79,7 +80,8 @@ int Worlds::firstRow(int world) const {
 
 std::vector<int> Worlds::rowsOf(int world) const {
   const int first = firstRow(world);
-  std::vector<int> rows = impl_->batchOf(world).rowsOf(world % impl_->perBatch);
+  std::vector<int> rows = withMemory("rowsOf",
+                                     [&] { return impl_->batchOf(world).rowsOf(world % impl_->perBatch); });
   const int shift = rows.empty() ? 0 : first - rows.front();
   for (int& row : rows) row += shift;
   return rows;
@@ -87,15 +89,17 @@ std::vector<int> Worlds::rowsOf(int world) const {
 
 ArrayView Worlds::array(StateArray which) const {
   checks::enumeration(which, StateArray::Torque, "array");
-  return impl_->gather(which, impl_->arrays[static_cast<int>(which)]);
+  return withMemory("array", [&] { return impl_->gather(which, impl_->arrays[static_cast<int>(which)]); });
 }
 
 void Worlds::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
-  checkScatter(which, rows, values);
-  std::vector<int> begin{0};
-  for (const std::shared_ptr<Batch>& batch : impl_->batches) begin.push_back(begin.back() + batch->rows());
-  impl_->forEachBatch([&](std::size_t k) { impl_->flush(k); });
-  impl_->scatter(which, begin, rows, values);
+  withMemory("scatter", [&] {
+    checkScatter(which, rows, values);
+    std::vector<int> begin{0};
+    for (const std::shared_ptr<Batch>& batch : impl_->batches) begin.push_back(begin.back() + batch->rows());
+    impl_->forEachBatch([&](std::size_t k) { impl_->flush(k); });
+    impl_->scatter(which, begin, rows, values);
+  });
 }
 
 int Worlds::firstAxis(int world) const {
@@ -104,7 +108,7 @@ int Worlds::firstAxis(int world) const {
   int rows = 0;
   for (int k = 0; k <= own; ++k) {
     const Batch& batch = *impl_->batches[static_cast<std::size_t>(k)];
-    impl_->sendJointRows(static_cast<std::size_t>(k));
+    withMemory("firstAxis", [&] { impl_->sendJointRows(static_cast<std::size_t>(k)); });
     rows += batch.firstAxis(k < own ? batch.count() : world % impl_->perBatch);
   }
   return rows;
@@ -113,12 +117,12 @@ int Worlds::firstAxis(int world) const {
 ArrayView Worlds::array(JointArray which) const {
   checks::enumeration(which, JointArray::AppliedForce, "array");
   if (which == JointArray::AppliedForce) throw Error("array", "an array that can be read", "another");
-  return impl_->gather(which, impl_->axes[static_cast<int>(which)]);
+  return withMemory("array", [&] { return impl_->gather(which, impl_->axes[static_cast<int>(which)]); });
 }
 
 ArrayView Worlds::array(SensorArray which) const {
   checks::enumeration(which, SensorArray::JointTorque, "array");
-  return impl_->gather(which, impl_->sensors[static_cast<int>(which)]);
+  return withMemory("array", [&] { return impl_->gather(which, impl_->sensors[static_cast<int>(which)]); });
 }
 
 int Worlds::firstVertex(int world) const {
@@ -127,7 +131,7 @@ int Worlds::firstVertex(int world) const {
   int rows = 0;
   for (int k = 0; k <= own; ++k) {
     const Batch& batch = *impl_->batches[static_cast<std::size_t>(k)];
-    impl_->flush(static_cast<std::size_t>(k));
+    withMemory("firstVertex", [&] { impl_->flush(static_cast<std::size_t>(k)); });
     const int last = k < own ? batch.count() - 1 : world % impl_->perBatch;
     rows += batch.firstVertex(last) + (k < own ? batch.vertices(last) : 0);
   }
@@ -136,22 +140,28 @@ int Worlds::firstVertex(int world) const {
 
 ArrayView Worlds::array(VertexArray which) const {
   checks::enumeration(which, VertexArray::Velocity, "array");
-  return impl_->gather(which, impl_->vertices[static_cast<int>(which)]);
+  return withMemory("array", [&] { return impl_->gather(which, impl_->vertices[static_cast<int>(which)]); });
 }
 
 void Worlds::scatter(JointArray which, const ArrayView& rows, const ArrayView& values) {
-  checkScatter(which, rows, values);
-  impl_->forEachBatch([&](std::size_t k) { impl_->sendJointRows(k); });
-  std::vector<int> begin{0};
-  for (const std::shared_ptr<Batch>& batch : impl_->batches)
-    begin.push_back(begin.back() + batch->firstAxis(batch->count()));
-  impl_->scatter(which, begin, rows, values);
+  withMemory("scatter", [&] {
+    checkScatter(which, rows, values);
+    impl_->forEachBatch([&](std::size_t k) { impl_->sendJointRows(k); });
+    std::vector<int> begin{0};
+    for (const std::shared_ptr<Batch>& batch : impl_->batches)
+      begin.push_back(begin.back() + batch->firstAxis(batch->count()));
+    impl_->scatter(which, begin, rows, values);
+  });
 }
 
 ArrayView Worlds::contactForces(std::span<const std::array<int, 2>> rows) const {
+  return withMemory("contactForces", [&] { return impl_->contactForces(rows); });
+}
+
+ArrayView Worlds::Impl::contactForces(std::span<const std::array<int, 2>> rows) {
   std::vector<int> begin{0};
-  for (const std::shared_ptr<Batch>& batch : impl_->batches) begin.push_back(begin.back() + batch->rows());
-  std::vector<std::vector<std::array<int, 2>>> pairs(impl_->batches.size());
+  for (const std::shared_ptr<Batch>& batch : batches) begin.push_back(begin.back() + batch->rows());
+  std::vector<std::vector<std::array<int, 2>>> pairs(batches.size());
   std::vector<std::vector<std::size_t>> from(pairs.size());
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const auto [a, b] = rows[k];
@@ -163,10 +173,10 @@ ArrayView Worlds::contactForces(std::span<const std::array<int, 2>> rows) const 
     from[batch].push_back(k);
   }
   std::vector<ArrayView> views(pairs.size());
-  impl_->forEachBatch([&](std::size_t k) {
+  forEachBatch([&](std::size_t k) {
     if (pairs[k].empty()) return;
-    impl_->flush(k);
-    views[k] = impl_->batches[k]->engine().contactForces(pairs[k]);
+    flush(k);
+    views[k] = batches[k]->engine().contactForces(pairs[k]);
   });
   if (views.size() == 1) return views[0];
   ArrayView all;
@@ -174,38 +184,42 @@ ArrayView Worlds::contactForces(std::span<const std::array<int, 2>> rows) const 
     if (pairs[k].empty()) continue;
     const auto row = static_cast<std::size_t>(views[k].strides[0]);
     all = views[k];
-    impl_->pairForces.resize(rows.size() * row);
+    pairForces.resize(rows.size() * row);
     for (std::size_t i = 0; i < from[k].size(); ++i)
-      std::memcpy(impl_->pairForces.data() + from[k][i] * row,
+      std::memcpy(pairForces.data() + from[k][i] * row,
                   static_cast<const std::byte*>(views[k].data) + i * row, row);
   }
-  all.data = impl_->pairForces.data(), all.shape[0] = static_cast<std::int64_t>(rows.size());
+  all.data = pairForces.data(), all.shape[0] = static_cast<std::int64_t>(rows.size());
   return all;
 }
 
 std::vector<RayHit> Worlds::castRays(std::span<const WorldRay> rays) {
+  return withMemory("castRays", [&] { return impl_->castRays(rays); });
+}
+
+std::vector<RayHit> Worlds::Impl::castRays(std::span<const WorldRay> rays) {
   std::vector<RayHit> out(rays.size());
-  std::vector<std::vector<std::size_t>> ofBatch(impl_->batches.size());
+  std::vector<std::vector<std::size_t>> ofBatch(batches.size());
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    impl_->requireWorld(rays[i].world);
+    requireWorld(rays[i].world);
     checkRay(rays[i].ray, i);
-    ofBatch[static_cast<std::size_t>(rays[i].world / impl_->perBatch)].push_back(i);
+    ofBatch[static_cast<std::size_t>(rays[i].world / perBatch)].push_back(i);
   }
-  impl_->forEachBatch([&](std::size_t k) {
+  forEachBatch([&](std::size_t k) {
     if (ofBatch[k].empty()) return;
-    impl_->flush(k);
-    Engine& engine = impl_->batches[k]->engine();
+    flush(k);
+    Engine& engine = batches[k]->engine();
     const std::span<EngineQuery> queries = engine.queryRoom(ofBatch[k].size());
     for (std::size_t q = 0; q < queries.size(); ++q) {
       const auto& [world, ray] = rays[ofBatch[k][q]];
-      queries[q] = queryOf(ray, impl_->at(world).registry);
-      queries[q].world = world % impl_->perBatch;
+      queries[q] = queryOf(ray, at(world).registry);
+      queries[q].world = world % perBatch;
     }
     const std::span<const EngineHit> hits = engine.hits({QueryKind::Ray, queries, {}});
     std::map<int, std::vector<std::size_t>> reachObjects;  // by world
     for (std::size_t q = 0; q < queries.size(); ++q) {
       const std::size_t i = ofBatch[k][q];
-      out[i] = hitOf(hits[q], rays[i].ray, impl_->at(rays[i].world).registry);
+      out[i] = hitOf(hits[q], rays[i].ray, at(rays[i].world).registry);
       if (queries[q].deformables) reachObjects[rays[i].world].push_back(q);
     }
     for (const auto& entry : reachObjects) {
@@ -217,7 +231,7 @@ std::vector<RayHit> Worlds::castRays(std::span<const WorldRay> rays) {
       };
       std::vector<RayHit> merged = pick([&](std::size_t q) { return out[ofBatch[k][q]]; });
       std::vector<EngineQuery> own = pick([&](std::size_t q) { return queries[q]; });
-      impl_->at(entry.first)
+      at(entry.first)
           .addObjectHits(own, pick([&](std::size_t q) { return hits[q]; }),
                          pick([&](std::size_t q) { return rays[ofBatch[k][q]].ray; }), merged);
       for (std::size_t n = 0; n < places.size(); ++n) out[ofBatch[k][places[n]]] = merged[n];

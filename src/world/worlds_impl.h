@@ -73,10 +73,26 @@ struct Worlds::Impl {
       batches.push_back(std::make_shared<Batch>(makeEngine(options), options.params, family));
     return batches.back();
   }
-  /// Steps of the worlds of a batch that are active; no world: all are.
+  /// Steps of the worlds of a batch that are active; no world: all are. The report is that of the last step.
   WorldsReport step(std::size_t batch, int steps, std::span<const char> active);
+  /// Takes back the last worlds.
+  void dropWorlds(int count) noexcept {
+    const auto dropEmpty = [&] {
+      while (!batches.empty() && batches.back()->count() == 0) batches.pop_back();
+    };
+    for (dropEmpty(); this->count() > count; dropEmpty()) batches.back()->dropWorld(), worlds.pop_back();
+    random.erase(random.begin() + std::min<std::ptrdiff_t>(count, std::ssize(random)), random.end());
+  }
+  /// Adds a world without anything in it.
+  World::Impl& addWorld();
+  /// Gives a report the joints of the worlds that took part which no report has listed.
+  void listBreaks(WorldsReport& report, std::span<const char> active);
+  /// As Worlds::reset.
+  void reset(std::span<const int> list, std::span<const Snapshot> snapshots);
   /// The arrays of all batches as one: a copy, unless they are on a device.
   ArrayView gather(auto which, std::vector<std::byte>& to);
+  ArrayView contactForces(std::span<const std::array<int, 2>> rows);
+  std::vector<RayHit> castRays(std::span<const WorldRay> rays);
   /// Writes to the rows of each batch. `begin`: [batches + 1] first row of each.
   void scatter(auto which, const std::vector<int>& begin, const ArrayView& rows, const ArrayView& values);
 };

@@ -14,6 +14,10 @@ std::atomic<long> count{0};
 constexpr long kNever = std::numeric_limits<long>::max();
 thread_local long failsAfter = kNever;
 thread_local bool lasts = false, failed = false;
+/// Of all threads but the one that asked for it.
+std::atomic<long> othersFailAfter{kNever};
+std::atomic<bool> othersLast{false}, othersFailed{false};
+thread_local bool isSpared = false;
 
 }  // namespace
 
@@ -24,6 +28,11 @@ namespace {
 /// Counts an allocation. Does it fail?
 bool fails() noexcept {
   ++count;
+  if (!isSpared && othersFailAfter != kNever) {
+    const long left = othersFailAfter.fetch_sub(1);
+    if (left > 0 || (left < 0 && !othersLast)) return false;
+    return othersFailed = true;
+  }
   if (failsAfter == kNever) return false;
   if (failsAfter > 0) return --failsAfter, false;
   if (!lasts) failsAfter = kNever;
@@ -92,5 +101,12 @@ FailingMemory::FailingMemory(long first, bool lasting) {
 }
 FailingMemory::~FailingMemory() { failsAfter = kNever; }
 bool FailingMemory::hasFailed() const { return failed; }
+
+FailingMemoryOfOthers::FailingMemoryOfOthers(long first, bool lasting) {
+  isSpared = true;
+  othersFailed = false, othersLast = lasting, othersFailAfter = first;
+}
+FailingMemoryOfOthers::~FailingMemoryOfOthers() { othersFailAfter = kNever, isSpared = false; }
+bool FailingMemoryOfOthers::hasFailed() const { return othersFailed; }
 
 }  // namespace rubble::test

@@ -19,4 +19,14 @@ class FailingMemory {
   bool hasFailed() const;
 };
 
+/// The same for all other threads, together. One at a time.
+class FailingMemoryOfOthers {
+ public:
+  FailingMemoryOfOthers(long first, bool lasting);
+  ~FailingMemoryOfOthers();
+  FailingMemoryOfOthers(const FailingMemoryOfOthers&) = delete;
+  FailingMemoryOfOthers& operator=(const FailingMemoryOfOthers&) = delete;
+  bool hasFailed() const;
+};
+
 }  // namespace rubble::test

@@ -1,13 +1,13 @@
-"""The shared library exports the functions of the headers and nothing else. It leaves the process of its
-host alone.
+"""The shared library exports the functions of the headers and nothing else. It and the static library leave
+the process of their host alone.
 
-Arguments: library, folder of the headers."""
+Arguments: library, folder of the headers, archives."""
 import pathlib
 import re
 import subprocess
 import sys
 
-library, headers = sys.argv[1:]
+library, headers, *archives = sys.argv[1:]
 try:
     listed = subprocess.run(["nm", "-D", "--defined-only", library], check=True, capture_output=True,
                             text=True)
@@ -28,9 +28,11 @@ print(f"{len(exported)} functions are exported")
 # assimp has an inline function with it, which nothing calls.
 PROCESS = re.compile(r"^(signal|sigaction|sigprocmask|setlocale|_?exit|quick_exit|fork|system|popen|"
                      r"setenv|putenv|v?printf|v?fprintf|__v?f?printf_chk|puts|putchar|perror|stdout|stderr)$")
-needed = subprocess.run(["nm", "-D", "--undefined-only", library], check=True, capture_output=True,
-                        text=True).stdout
-reaching = sorted({name for name in re.findall(r"\b[Uw] ([A-Za-z_]\w*)", needed) if PROCESS.match(name)})
-for name in reaching:
+reaching = set()
+for command in [["-D", library], *([archive] for archive in archives)]:
+    needed = subprocess.run(["nm", "--undefined-only", *command], check=True, capture_output=True,
+                            text=True).stdout
+    reaching |= {name for name in re.findall(r"\b[Uw] ([A-Za-z_]\w*)", needed) if PROCESS.match(name)}
+for name in sorted(reaching):
     print(f"acts on the whole process: {name}")
 sys.exit(exported != declared or bool(reaching))

@@ -8,6 +8,7 @@
 #include <rubble/world.h>
 
 #include "convert/out/export.h"
+#include "tests/io/whole_files.h"
 #include "tests/support/files.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/scenes.h"
@@ -61,6 +62,52 @@ TEST(Export, OfEveryFormatToAFullDiskIsAnErrorAndLeavesNoPart) {
     }
     write();
     EXPECT_EQ(bytesIn(folder.path), bytes) << ending;
+  }
+}
+
+/// Each write of each export fails, but for tables of text, which grow frame by frame.
+template <class Failing> void expectWholeExports() {
+  const test::TemporaryFolder source;
+  const std::string run = (source.path / "run.rubble").string();
+  record(run);
+  for (const std::string& ending : convert::exportEndings()) {
+    if (ending == ".csv") continue;
+    const bool isOne = ending != ".obj";
+    test::expectWholeOrAsBefore<Failing>(
+        "frames" + ending,
+        [&](const std::string& file) {
+          io::RecordingReader recording(run);
+          convert::exportRecording(recording, file);
+        },
+        isOne);
+  }
+}
+
+TEST(Export, OfEveryFormatThatFailsAtAWriteLeavesNoPart) {
+  if (!test::writesFail()) GTEST_SKIP() << "a sanitizer has functions of its own";
+  expectWholeExports<test::FailingWrites>();
+}
+
+TEST(Export, OfATableThatFailsAtAWriteKeepsItsWholeFramesAndGoesOn) {
+  if (!test::writesFail()) GTEST_SKIP() << "a sanitizer has functions of its own";
+  const test::TemporaryFolder folder;
+  const std::string run = (folder.path / "run.rubble").string(), whole = (folder.path / "whole.csv").string();
+  record(run);
+  const auto write = [&](const std::string& file, bool resume) {
+    io::RecordingReader recording(run);
+    convert::ExportOptions options;
+    options.resume = resume;
+    convert::exportRecording(recording, file, options);
+  };
+  write(whole, false);
+  for (long n = 0; n < 1000; ++n) {
+    const std::string file = (folder.path / ("part" + std::to_string(n) + ".csv")).string();
+    bool threw = false;
+    const bool failed = test::failsAt<test::FailingWrites>(n, true, threw, [&] { write(file, false); });
+    EXPECT_EQ(threw, failed) << n;
+    write(file, true);
+    EXPECT_EQ(test::contentOf(file) == test::contentOf(whole), true) << n;
+    if (!failed || testing::Test::HasFailure()) break;
   }
 }
 

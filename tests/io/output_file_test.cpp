@@ -93,7 +93,7 @@ TEST(Recording, OfAFullDiskIsAnErrorAndHasItsWholeChunks) {
       const FullDisk full(cut);
       EXPECT_THROW(record(file), Error) << cut;
     }
-    EXPECT_EQ(std::filesystem::file_size(file), cut);
+    EXPECT_LE(std::filesystem::file_size(file), cut);
     if (cut <= 1) continue;
     RecordingReader reader(file);
     EXPECT_FALSE(reader.complete()) << cut;

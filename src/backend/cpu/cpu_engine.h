@@ -110,7 +110,12 @@ class CpuEngine final : public ObservableEngine, public BatchEngine {
   std::vector<std::byte> takeWorld(int world) override {
     return RUBBLE_CORE::takeWorld(tables(), parts_[static_cast<std::size_t>(world)]);
   }
-  void putWorlds(std::span<const int> worlds, std::span<const std::span<const std::byte>> states) override;
+  void putWorlds(std::span<const int> worlds, std::span<const std::span<const std::byte>> states) override {
+    prepareToPut(worlds, states)();
+  }
+  std::function<void()> prepareToPut(std::span<const int> worlds,
+                                     std::span<const std::span<const std::byte>> states) override;
+  std::function<void()> backup() override;
   void observe(KernelObserver observer) override { executor_.observe(std::move(observer)); }
   const HostTables& tablesNow() override { return executor_.tables(); }
   HostTables& tables() { return executor_.tables(); }

@@ -7,7 +7,11 @@ namespace rubble::RUBBLE_CORE {
 
 class HostJointRows {
  public:
-  void set(const JointRows& rows) { tables_ = AxisTables(rows); }
+  void set(const JointRows& rows) {
+    AxisTables tables(rows);
+    forces_.reserve(tables.axes.size());  // so that scatter() needs no memory
+    tables_ = std::move(tables);
+  }
 
   ArrayView view(const HostTables& tables, JointArray which) {
     std::vector<Real>& to = axes_[static_cast<int>(which)];
