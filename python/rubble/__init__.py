@@ -11,8 +11,10 @@
 Units are SI. Quaternions have the scalar first and rotate from body to world. Frames are right-handed, and no
 axis is built in as up. Definitions have the keys of scene files.
 """
+from __future__ import annotations
+
 import os
-from typing import Any, Union
+from typing import TYPE_CHECKING, Any, Union
 
 from ._actuators import Actuators
 from ._arrays import Array, DeviceArray
@@ -32,13 +34,18 @@ from ._soft import (Attachment, Attachments, Deformable, Deformables, Surface, c
 from ._world import Params, Snapshot, StepReport, World
 from ._worlds import Worlds
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import ModelOptions
+
 
 def info() -> dict[str, Any]:
     """Version, commit, backends, OpenGL, force types, deformable kinds and parameters of this build."""
     return json_of(lib.rb_info)
 
 
-def load(file: Union[str, os.PathLike[str]], **options: Any) -> Scene:
+def load(file: Union[str, os.PathLike[str]], **options: Unpack[ModelOptions]) -> Scene:
     """A scene of a scene file (.json), or of a model of another program: see `Scene.from_model`."""
     if os.fspath(file).endswith(".json"):
         return Scene.load(file)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ._fields import BodyFields
     from ._world import World
 
-Vector = Sequence[float]
+Vector = Union[Sequence[float], np.ndarray]
 
 
 class ContactLoad(NamedTuple):

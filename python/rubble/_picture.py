@@ -4,13 +4,18 @@ from __future__ import annotations
 import ctypes
 import os
 import weakref
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
 from . import _abi
 from ._bodies import Vector
 from ._library import Handle, check, encode, invalid, lib
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import PainterOptions
 
 _VIEW = ("eye", "target", "field_of_view")
 
@@ -84,7 +89,8 @@ class View:
     """Pictures of a world."""
 
     def render(self, width: int = 1280, height: int = 720, *, eye: Optional[Vector] = None,
-               target: Optional[Vector] = None, field_of_view: float = 0.6, **options: Any) -> np.ndarray:
+               target: Optional[Vector] = None, field_of_view: float = 0.6,
+               **options: Unpack[PainterOptions]) -> np.ndarray:
         """A picture of the world as it is now.
 
         Args:

@@ -3,13 +3,18 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import Any, Iterator, NamedTuple, Union
+from typing import TYPE_CHECKING, Any, Iterator, NamedTuple, Union
 
 import numpy as np
 
 from . import _abi
 from ._library import Handle, check, json_of, lib, structs
 from ._world import World
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import PictureOptions
 
 Path = Union[str, os.PathLike[str]]
 
@@ -109,10 +114,11 @@ class Recording:
         """"bodies" and "deformables" of a frame, in the order of its poses and vertices."""
         return json_of(lib.rb_recording_objects, self._pointer, self._index(index))
 
-    def render(self, index: int, **options: Any) -> np.ndarray:
+    def render(self, index: int, **options: Unpack[PictureOptions]) -> np.ndarray:
         """A picture of a frame; options as for `World.render`."""
         from ._picture import Painter
-        return Painter.shared(self, options).draw_frame(self, self._index(index), options)
+        given: dict[str, Any] = {**options}
+        return Painter.shared(self, given).draw_frame(self, self._index(index), given)
 
     def __repr__(self) -> str:
         torn = "" if self.complete else f", cut off at {self.intact_bytes} of {self.file_bytes} bytes"

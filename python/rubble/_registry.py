@@ -2,12 +2,17 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any, Callable, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 
 from . import _abi  # noqa: F401
 from ._library import Handle, check, encode, json_of, lib
 from ._scene import Scene
 from ._world import StepReport, World
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import RunOptions
 
 
 class Argument(NamedTuple):
@@ -76,7 +81,7 @@ class Run:
     """
 
     def __init__(self, scene: Union[str, Scene], arguments: Optional[dict[str, float]] = None,
-                 **options: Any) -> None:
+                 **options: Unpack[RunOptions]) -> None:
         if isinstance(scene, Scene):
             self._handle = Handle(lib.rb_run_scene, lib.rb_run_destroy, scene._pointer, encode(options))
         else:

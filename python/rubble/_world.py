@@ -16,6 +16,12 @@ from ._queries import Queries
 from ._scene import Scene
 from ._soft import Attachments, Deformable, Deformables
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._fields import MaterialPair
+    from ._options import Parameters, WorldOptions
+
 
 class StepReport:
     """Report of a step.
@@ -93,7 +99,7 @@ class Params:
     def __setattr__(self, name: str, value: Any) -> None:
         self.set(**{name: value})
 
-    def set(self, **values: Any) -> None:
+    def set(self, **values: Unpack[Parameters]) -> None:
         """Sets parameters. Raises `Error` for an unknown name or a value out of range."""
         check(lib.rb_world_set_params(self._world._pointer, encode(values)))
 
@@ -138,7 +144,7 @@ class World(StateArrays, Queries, View):
     """
 
     def __init__(self, scene: Scene, *, backend: str = "cpu", threads: int = 0, events: bool = False,
-                 **options: Any) -> None:
+                 **options: Unpack[WorldOptions]) -> None:
         given = {"backend": backend, "threads": threads, "events": events, **options}
         self._own(Handle(lib.rb_world_create, lib.rb_world_destroy, scene._pointer, encode(given)))
 
@@ -212,7 +218,7 @@ class World(StateArrays, Queries, View):
     def gravity(self, value: Vector) -> None:
         check(lib.rb_world_set_gravity(self._pointer, vector(value, "gravity")))
 
-    def set_material_pair(self, a: str, b: str, **coefficients: float) -> None:
+    def set_material_pair(self, a: str, b: str, **coefficients: Unpack[MaterialPair]) -> None:
         """Adds a rule for two named materials, or replaces theirs, as `Scene.add_material_pair`."""
         check(lib.rb_world_set_material_pair(self._pointer, encode({"a": a, "b": b, **coefficients})))
 

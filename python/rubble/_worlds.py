@@ -17,7 +17,7 @@ from ._world import Snapshot, StepReport, World
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._fields import FilterFields
+    from ._options import FilterFields, Parameters, WorldOptions
 
 
 class _OneOf:
@@ -53,7 +53,8 @@ class Worlds:
     """
 
     def __init__(self, scene: Optional[Scene] = None, count: int = 1, *, backend: str = "cpu",
-                 threads: int = 0, events: bool = False, **options: Any) -> None:
+                 threads: int = 0, events: bool = False,
+                 **options: Unpack[WorldOptions]) -> None:
         given = {"backend": backend, "threads": threads, "events": events, **options}
         self._handle = Handle(lib.rb_worlds_create, lib.rb_worlds_destroy, encode(given))
         self._worlds: dict[int, World] = {}
@@ -119,7 +120,7 @@ class Worlds:
         """All parameters by name."""
         return json_of(lib.rb_worlds_params, self._handle.pointer)
 
-    def set_params(self, **values: Any) -> None:
+    def set_params(self, **values: Unpack[Parameters]) -> None:
         """Sets parameters of all worlds. Raises `Error` for an unknown name or a value out of range."""
         check(lib.rb_worlds_set_params(self._handle.pointer, encode(values)))
 
