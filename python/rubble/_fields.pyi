@@ -103,7 +103,7 @@ class BodyFields(BodyOptions, total=False):
     """a definition, or the name of one."""
 
 class AxisFields(TypedDict, total=False):
-    """an axis of a joint, in [m] and [N] or in [rad] and [N m]."""
+    """an axis of a joint, in [m], [N] or [rad], [N m]."""
     armature: float
     """Inertia of the motor, as it acts on the axis [kg, kg m2]."""
     damping: float

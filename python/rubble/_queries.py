@@ -224,6 +224,8 @@ class Queries:
 
     @property
     def quality(self) -> Quality:
+        """Penetrations [m], joint gaps [m], energies [J] and speed [m/s] of the present state; see
+        `Quality`."""
         out = _abi.Quality()
         check(lib.rb_world_quality(self._pointer, ctypes.byref(out)))
         depth = out.penetration

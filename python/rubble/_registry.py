@@ -18,44 +18,44 @@ if TYPE_CHECKING:
 class Argument(NamedTuple):
     """A number that a scene can be built with."""
 
-    name: str
+    name: str  #: key of `Scene.from_registry`
     value: float  #: default
-    min: Optional[float]
-    max: Optional[float]
+    min: Optional[float]  #: smallest value; None: no bound
+    max: Optional[float]  #: largest value; None: no bound
     unit: str  #: "1" for none
-    doc: str
-    whole: bool
+    doc: str  #: what it changes
+    whole: bool  #: whether it is a whole number
 
 
 class SceneInfo(NamedTuple):
     """A scene of the registry."""
 
-    name: str
-    doc: str
+    name: str  #: of the scene
+    doc: str  #: what it shows
     steps: int  #: of a full run
     iterations: int  #: that the verdict is stated for
-    substeps: int
-    tags: list[str]
-    arguments: list[Argument]
+    substeps: int  #: likewise
+    tags: list[str]  #: groups that it belongs to
+    arguments: list[Argument]  #: numbers that it can be built with
 
 
 class Claim(NamedTuple):
     """A statement of a verdict: the metric lies in [min, max]; None: no bound."""
 
-    metric: str
-    min: Optional[float]
-    max: Optional[float]
+    metric: str  #: name of what is measured, with its unit
+    min: Optional[float]  #: lower bound
+    max: Optional[float]  #: upper bound
     value: Optional[float]  #: None: it was not measured
-    holds: bool
-    why: str
+    holds: bool  #: whether the value is known and within the bounds
+    why: str  #: reason of the bounds
 
 
 class Verdict(NamedTuple):
     """Result of a run."""
 
     holds: Optional[bool]  #: None: the scene is not from the registry, and nothing was judged
-    metrics: dict[str, Optional[float]]
-    claims: list[Claim]
+    metrics: dict[str, Optional[float]]  #: all that was measured; None: it could not be
+    claims: list[Claim]  #: what the scene must do
 
 
 def scenes() -> dict[str, SceneInfo]:

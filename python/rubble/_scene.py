@@ -28,10 +28,10 @@ def _import(file: bytes, options: bytes, report: Any, pointer: Any) -> int:
 class Rod(NamedTuple):
     """Indices of the parts of a rod in a scene."""
 
-    first_body: int
-    bodies: int
-    first_joint: int
-    joints: int
+    first_body: int  #: index of its first body
+    bodies: int  #: number of bodies, one after the other
+    first_joint: int  #: index of its first joint
+    joints: int  #: number of joints
 
 
 class Scene:
@@ -101,9 +101,12 @@ class Scene:
         return text_of(lib.rb_scene_text, self._pointer)
 
     def to_dict(self) -> Definition:
+        """The scene with the keys of scene files, a copy. `from_json` reads it back."""
         return json_of(lib.rb_scene_text, self._pointer)
 
     def save(self, file: Union[str, os.PathLike[str]]) -> None:
+        """Writes a scene file, which `load` reads back bit for bit. Raises `Error` if it
+        cannot be written."""
         check(lib.rb_scene_write(self._pointer, os.fsencode(file)))
 
     def set(self, **values: Unpack[SceneFields]) -> None:

@@ -81,6 +81,7 @@ class Params:
         return json_of(lib.rb_world_params, self._world._pointer)
 
     def keys(self) -> list[str]:
+        """Names of all parameters."""
         return list(self._all())
 
     def __iter__(self) -> Iterator[str]:
@@ -223,6 +224,7 @@ class World(StateArrays, Queries, View):
         check(lib.rb_world_set_material_pair(self._pointer, encode({"a": a, "b": b, **coefficients})))
 
     def remove_material_pair(self, a: str, b: str) -> None:
+        """Removes the rule for two named materials. Raises `Error` if there is none."""
         check(lib.rb_world_remove_material_pair(self._pointer, a.encode(), b.encode()))
 
     @property
@@ -232,6 +234,7 @@ class World(StateArrays, Queries, View):
 
     @property
     def step_count(self) -> int:
+        """Number of steps taken; a snapshot restores it."""
         return lib.rb_world_step_count(self._pointer)
 
     @property
@@ -240,13 +243,13 @@ class World(StateArrays, Queries, View):
         return lib.rb_world_time(self._pointer)
 
     def body_at(self, index: int) -> Body:
-        """The body with that index in the scene."""
+        """The body with that index in the scene, even if it was removed. Raises `Error` if there is none."""
         out = _abi.BodyId()
         check(lib.rb_world_body_at(self._pointer, index, ctypes.byref(out)))
         return Body(self, out)
 
     def deformable_at(self, index: int) -> Deformable:
-        """The deformable object with that index in the scene."""
+        """The deformable object with that index in the scene. Raises `Error` as `body_at` does."""
         out = _abi.DeformableId()
         check(lib.rb_world_deformable_at(self._pointer, index, ctypes.byref(out)))
         return Deformable(self, out)
@@ -260,6 +263,12 @@ class World(StateArrays, Queries, View):
         return Snapshot(Handle(lib.rb_world_snapshot, lib.rb_snapshot_destroy, self._pointer))
 
     def restore(self, snapshot: Snapshot) -> None:
+        """Returns to a snapshot, of this world or of another one: bodies, joints, contacts, time and ids are
+        those of it. Array views become invalid.
+
+        Raises:
+            Error: For a snapshot of another precision: one of backend "reference" in another, or the reverse.
+        """
         check(lib.rb_world_restore(self._pointer, snapshot._handle.pointer))
 
     def hash(self) -> int:

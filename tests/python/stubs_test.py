@@ -89,7 +89,8 @@ class Stubs(Case):
 
         def joint(kind):
             placed = {"pulley_a": (0, 0, 1), "pulley_b": (1, 0, 1)} if kind == "pulley" else {}
-            return lambda **fields: scene().add_joint(kind, "a", "b", **{"anchor": (0, 0, 0), **placed, **fields})
+            placed["anchor"] = (0, 0, 0)
+            return lambda **fields: scene().add_joint(kind, "a", "b", **{**placed, **fields})
 
         def thing(kind):
             return lambda **fields: scene().add_deformable({"type": kind, "vertices": [[0, 0, 0]]}, **fields)
@@ -124,12 +125,13 @@ class Stubs(Case):
         if importlib.util.find_spec("mypy") is None:
             self.skipTest("mypy is missing")
         right = ["scene.add_joint('hinge', 'a', anchor=(0, 0, 1), user_data=3, axes=[{'max': 'free'}])",
-                 "scene.add_body(rubble.box(1, 1, 1), mass=2, material={'one_way': (0, 0, 1), 'name': 'ice'})",
+                 "scene.add_body(rubble.box(1, 1, 1), mass=2, material={'one_way': (0, 0, 1), 'name': 'a'})",
                  "scene.add_sensor('touch', body='a', volume=rubble.sphere(1))",
                  "scene.add_event(3, remove=['a'])",
                  "rubble.World(scene, dt=0.01, iterations=4, sleeping=True)",
                  "rubble.World(scene).render(320, 180, color_by='speed')"]
-        wrong = ["scene.add_body(rubble.box(1, 1, 1), mas=2)", "scene.add_body(rubble.box(1, 1, 1), mass='2')",
+        wrong = ["scene.add_body(rubble.box(1, 1, 1), mas=2)",
+                 "scene.add_body(rubble.box(1, 1, 1), mass='2')",
                  "scene.add_joint('hinge', 'a', stiffness='soft')", "scene.add_sensor('touch', bodies='a')",
                  "scene.add_event(3, removed=['a'])", "rubble.World(scene, iteration=4)",
                  "rubble.World(scene).render(320, 180, colour_by='speed')"]
