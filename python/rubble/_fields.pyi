@@ -35,9 +35,9 @@ class Material(TypedDict, total=False):
     """How a pair makes one number of two: `"usual"`, `"average"`, `"minimum"`, `"multiply"`, `"maximum"`,
     `"geometric_mean"`. Of two different rules the later one in this list holds."""
     surface_velocity: Vector
-    """of a conveyor, body axes [m/s]."""
+    """Of a conveyor, body axes [m/s]."""
     one_way: Vector
-    """of a one-way surface: direction of the side that holds, body axes."""
+    """Of a one-way surface: direction of the side that holds, body axes."""
     name: str
     """For pair rules."""
 
@@ -57,7 +57,7 @@ class MaterialPair(TypedDict, total=False):
 
 class BodyOptions(TypedDict, total=False):
     name: str
-    """a text; joints, events and claims refer to it."""
+    """A text; joints, events and claims refer to it."""
     motion: Literal["dynamic", "kinematic", "static"]
     """`"dynamic"`, `"kinematic"` (follows its velocity, pushes others) or `"static"`."""
     density: float
@@ -68,13 +68,13 @@ class BodyOptions(TypedDict, total=False):
     """Three principal moments about the center of mass, body axes [kg m2], in place of those of the
     shape."""
     material: Union[Material, dict[str, Any], str]
-    """a material, or the name of one in `materials`."""
+    """A material, or the name of one in `materials`."""
     position: Vector
-    """of the shape frame, world [m]."""
+    """Of the shape frame, world [m]."""
     orientation: Union[Quaternion, Turn]
     """Body to world: a unit quaternion `[w, x, y, z]`, or `{"axis": [x, y, z], "degrees": angle}`."""
     velocity: Vector
-    """of the center of mass, world axes [m/s]."""
+    """Of the center of mass, world axes [m/s]."""
     angular_velocity: Vector
     """World axes [rad/s]."""
     gravity_scale: float
@@ -94,16 +94,16 @@ class BodyOptions(TypedDict, total=False):
     group: int
     """Two bodies of one group always collide if its number is positive, and never if it is negative."""
     sensor: bool
-    """it reports overlaps and has no contact forces."""
+    """It reports overlaps and has no contact forces."""
     user_data: int
-    """a whole number of the caller, which events and hits return."""
+    """A whole number of the caller, which events and hits return."""
 
 class BodyFields(BodyOptions, total=False):
     shape: Shape
-    """a definition, or the name of one."""
+    """A definition, or the name of one."""
 
 class AxisFields(TypedDict, total=False):
-    """an axis of a joint, in [m], [N] or [rad], [N m]."""
+    """An axis of a joint, in [m], [N] or [rad], [N m]."""
     armature: float
     """Inertia of the motor, as it acts on the axis [kg, kg m2]."""
     damping: float
@@ -115,9 +115,9 @@ class AxisFields(TypedDict, total=False):
     friction: float
     """Resists any motion, up to this [N, N m]."""
     limit_damping: float
-    """of limits with a stiffness [N s/m, N m s/rad]."""
+    """Of limits with a stiffness [N s/m, N m s/rad]."""
     limit_stiffness: Union[float, Literal["hard"]]
-    """of the limits [N/m, N m/rad]."""
+    """Of the limits [N/m, N m/rad]."""
     locked: bool
     """Min and max are 0."""
     max: Union[float, Literal["free"]]
@@ -127,11 +127,11 @@ class AxisFields(TypedDict, total=False):
     min: Union[float, Literal["free"]]
     """Lower limit [m, rad]."""
     motor_force: float
-    """of the motor, positive where it raises the coordinate [N, N m]."""
+    """Of the motor, positive where it raises the coordinate [N, N m]."""
     target_position: float
-    """of the drive [m, rad]."""
+    """Of the drive [m, rad]."""
     target_speed: float
-    """of the drive [m/s, rad/s]."""
+    """Of the drive [m/s, rad/s]."""
 
 class JointValues(TypedDict, total=False):
     """What a joint has wherever it is; each type takes some of these."""
@@ -146,17 +146,17 @@ class JointValues(TypedDict, total=False):
     orientation_a_to_b: Union[Quaternion, Turn]
     """Wanted orientation of A seen from B, a unit quaternion."""
     stiffness: Union[float, Literal["hard"]]
-    """of the anchors or of the length, or "hard" [N/m]."""
+    """Of the anchors or of the length, or "hard" [N/m]."""
     damping: float
     """Beside a stiffness [N s/m]."""
     damping_ratio: float
-    """in place of damping: of critical, for the two bodies alone."""
+    """In place of damping: of critical, for the two bodies alone."""
     angular_stiffness: Union[float, Literal["hard"]]
-    """of the orientation, or "hard" [N m/rad]."""
+    """Of the orientation, or "hard" [N m/rad]."""
     angular_damping: float
     """Beside an angular stiffness [N m s/rad]."""
     angular_damping_ratio: float
-    """in place of angular damping."""
+    """In place of angular damping."""
     max_force: Union[float, Literal["hard"]]
     """The anchors are held with this force at most, or "hard" [N]."""
     max_torque: Union[float, Literal["hard"]]
@@ -196,9 +196,9 @@ class JointValues(TypedDict, total=False):
     drive_stiffness: Union[float, Literal["hard"]]
     """Towards drive_orientation, or "hard" [N m/rad]."""
     drive_damping: Union[float, Literal["hard"]]
-    """of that drive, or "hard" [N m s/rad]."""
+    """Of that drive, or "hard" [N m s/rad]."""
     max_drive_torque: Union[float, Literal["hard"]]
-    """of that drive, or "hard" [N m]."""
+    """Of that drive, or "hard" [N m]."""
     axes: Sequence[Union[AxisFields, dict[str, Any]]]
     """Its axes, in their order."""
     break_force: Union[float, Literal["never"]]
@@ -206,21 +206,21 @@ class JointValues(TypedDict, total=False):
     break_torque: Union[float, Literal["never"]]
     """The joint breaks when its torque reaches this, or "never" [N m]."""
     collide: bool
-    """do the two bodies collide with one another?."""
+    """Do the two bodies collide with one another?."""
     name: str
-    """a text; events and claims refer to it."""
+    """A text; events and claims refer to it."""
     user_data: int
-    """a whole number of the caller, which events and hits return."""
+    """A whole number of the caller, which events and hits return."""
 
 class JointFields(JointValues, total=False):
     anchor: Vector
-    """a point of the world [m], where both bodies are when the scene begins."""
+    """A point of the world [m], where both bodies are when the scene begins."""
     axis: Vector
     """Direction of the joint's x axis in the world as the scene begins; `axis_b`: another one for B."""
     axis_b: Vector
     """Direction of the joint's x axis in the world as the scene begins; `axis_b`: another one for B."""
     frame: Union[Quaternion, Turn]
-    """in its place: all three axes, an orientation."""
+    """In its place: all three axes, an orientation."""
 
 class SceneJointFields(JointFields, total=False):
     frame_body_a: Named
@@ -228,10 +228,10 @@ class SceneJointFields(JointFields, total=False):
     frame_body_b: Named
     """Gear, rack: bodies in which the axes lie as the scene begins; tendon: sides 2 and 3."""
     joint_a: str
-    """in place of bodies, frame bodies, anchors and axes: names of two hinges further up (gear), of a
+    """In place of bodies, frame bodies, anchors and axes: names of two hinges further up (gear), of a
     hinge and a slider (rack)."""
     joint_b: str
-    """in place of bodies, frame bodies, anchors and axes: names of two hinges further up (gear), of a
+    """In place of bodies, frame bodies, anchors and axes: names of two hinges further up (gear), of a
     hinge and a slider (rack)."""
 
 class DeformableFields(TypedDict, total=False):
@@ -244,11 +244,11 @@ class DeformableFields(TypedDict, total=False):
     fixed: Sequence[int]
     """Vertices that never move."""
     velocity: Vector
-    """at the beginning [m/s]."""
+    """At the beginning [m/s]."""
     angular_velocity: Vector
     """About the center of mass [rad/s]."""
     material: Union[Material, dict[str, Any], str]
-    """of the surface; without rolling friction and surface velocity."""
+    """Of the surface; without rolling friction and surface velocity."""
     gravity_scale: float
     """Factor on the scene's gravity."""
     collide: bool
@@ -264,15 +264,15 @@ class DeformableFields(TypedDict, total=False):
     youngs_modulus: float
     """E [Pa]."""
     poisson_ratio: float
-    """Nu, 0 to below .5."""
+    """nu, 0 to below .5."""
     density: float
-    """of the solid [kg/m3]."""
+    """Of the solid [kg/m3]."""
     viscosity: float
-    """of the strain rate [Pa s]."""
+    """Of the strain rate [Pa s]."""
     yield_stress: float
     """Von Mises stress at which it begins to flow [Pa]."""
     hardening: float
-    """of the yield stress, for each unit of plastic strain [Pa]."""
+    """Of the yield stress, for each unit of plastic strain [Pa]."""
     contact_radius: float
     """How far from a vertex its surface lies [m]."""
     triangles: Numbers
@@ -284,41 +284,41 @@ class DeformableFields(TypedDict, total=False):
     rest_folded: bool
     """Keep the angles of the mesh; else it wants to be flat."""
     bending_damping: float
-    """of the rate of an angle, for each metre of edge [N s/rad]."""
+    """Of the rate of an angle, for each metre of edge [N s/rad]."""
     tear_stretch: Union[float, Literal["never"]]
     """Length over rest length at which a triangle tears."""
     pressure: float
     """Inside over outside, of a closed sheet [Pa]."""
     closed: bool
-    """a ring."""
+    """A ring."""
     radius: float
-    """of its circular section; also in contact [m]."""
+    """Of its circular section; also in contact [m]."""
     break_force: Union[float, Literal["never"]]
     """Tension at which a segment breaks [N]."""
     masses: Numbers
-    """of each vertex; one number serves all [kg]."""
+    """Of each vertex; one number serves all [kg]."""
     edges: Numbers
     """Springs: [vertex, vertex, stiffness, damping, rest length]; the last two may be left out [N/m, N
     s/m, m]."""
     mesh: dict[str, Any]
-    """a file in place of vertices."""
+    """A file in place of vertices."""
     type: Literal["tet_solid", "cloth", "cable", "net", "particles"]
     elements: Sequence[dict[str, Any]]
-    """of types that an extension adds."""
+    """Of types that an extension adds."""
 
 class AttachmentFields(TypedDict, total=False):
     name: str
     """Optional."""
     weights: Numbers
-    """of these vertices; equal ones if they are not given."""
+    """Of these vertices; equal ones if they are not given."""
     anchor: Vector
-    """in the frame of the body; where the vertices start if it is not given [m]."""
+    """In the frame of the body; where the vertices start if it is not given [m]."""
     other_vertices: Sequence[int]
-    """of a seam: of the other object."""
+    """Of a seam: of the other object."""
     other_weights: Numbers
-    """of these vertices."""
+    """Of these vertices."""
     stiffness: Union[float, Literal["hard"]]
-    """or "hard" [N/m]."""
+    """Or "hard" [N/m]."""
     break_force: Union[float, Literal["never"]]
     """The attachment breaks when its force reaches this [N]."""
 
@@ -326,27 +326,27 @@ class SceneAttachmentFields(AttachmentFields, total=False):
     body: Named
     """Name or index of a body; the world if it is not given."""
     other_object: Named
-    """of a seam: name or index of the other object."""
+    """Of a seam: name or index of the other object."""
 
 class SensorFields(TypedDict, total=False):
     name: str
     """Optional."""
     body: Named
-    """of the frame; the world unless given."""
+    """Of the frame; the world unless given."""
     position: Vector
-    """of the frame on the body [m]."""
+    """Of the frame on the body [m]."""
     orientation: Union[Quaternion, Turn]
-    """of the frame, to the body."""
+    """Of the frame, to the body."""
     reference: Named
     """Body of the reference frame; the world unless given."""
     reference_position: Vector
-    """of the reference frame on its body [m]."""
+    """Of the reference frame on its body [m]."""
     reference_orientation: Union[Quaternion, Turn]
-    """of the reference frame, to its body."""
+    """Of the reference frame, to its body."""
     joint: Named
     """Name or index."""
     axis: int
-    """of the joint, from 0."""
+    """Of the joint, from 0."""
     scale: float
     """Factor on the reading of a joint."""
     offset: float
@@ -358,15 +358,15 @@ class SensorFields(TypedDict, total=False):
 
 class ActuatorFields(TypedDict, total=False):
     activation: float
-    """at the beginning."""
+    """At the beginning."""
     axis: int
-    """of the joint, from 0."""
+    """Of the joint, from 0."""
     bias: Vector
     """Without input: the same [N, N m]."""
     body: Named
     """Wrench, adhesion: name or index."""
     control: float
-    """at the beginning."""
+    """At the beginning."""
     dynamics: Literal["none", "integrator", "filter", "filter_exact", "muscle"]
     """How its input follows its control."""
     early: bool
@@ -380,7 +380,7 @@ class ActuatorFields(TypedDict, total=False):
     included: float
     """Effect that the axis has already [N, N m, m, rad]."""
     joint: Named
-    """of the other types: name or index."""
+    """Of the other types: name or index."""
     max_activation: Union[float, Literal["free"]]
     """The same."""
     max_control: Union[float, Literal["free"]]
@@ -402,7 +402,7 @@ class ActuatorFields(TypedDict, total=False):
     position: Vector
     """Wrench: point of the body [m]."""
     time_constant: float
-    """of a filter [s]."""
+    """Of a filter [s]."""
     torque: Vector
     """Wrench: the same [N m]."""
 

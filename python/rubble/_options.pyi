@@ -70,7 +70,7 @@ class Parameters(TypedDict, total=False):
     joint_policy: int
     """Stiffness of joints: 0 ramp, 1 follows the load."""
     load_acceleration: float
-    """a over gravity: k = |lambda| / (a dt^2) where stiffness follows the load."""
+    """A over gravity: k = |lambda| / (a dt^2) where stiffness follows the load."""
     cone_hessian: bool
     """Cone-consistent Hessian of friction."""
     dormant_rows: bool
@@ -100,7 +100,7 @@ class WorldOptions(Parameters, total=False):
     timings: bool
     """Measure the stages of each step."""
     instruction_set: Literal["", "baseline", "avx2"]
-    """of the CPU; empty: the best one."""
+    """Of the CPU; empty: the best one."""
 
 class RunOptions(WorldOptions, total=False):
     backend: str
@@ -114,15 +114,15 @@ class RodFields(TypedDict, total=False):
     name: str
     """Beginning of the names of its bodies and joints."""
     radius: float
-    """of its circular section [m]."""
+    """Of its circular section [m]."""
     youngs_modulus: float
     """E [Pa]."""
     poisson_ratio: float
-    """Nu, -1 to 0.5."""
+    """nu, -1 to 0.5."""
     density: float
-    """of the rod [kg/m3]."""
+    """Of the rod [kg/m3]."""
     viscosity: float
-    """of the strain rate [Pa s]."""
+    """Of the strain rate [Pa s]."""
     break_force: Union[float, Literal["never"]]
     """Per joint [N]."""
     break_torque: Union[float, Literal["never"]]
@@ -132,7 +132,7 @@ class RodFields(TypedDict, total=False):
     end: Union[int, Literal["world"]]
     """Body that its last end is fixed to."""
     material: Union[Material, dict[str, Any]]
-    """of its surface."""
+    """Of its surface."""
 
 class FilterFields(TypedDict, total=False):
     layers: int
@@ -142,11 +142,11 @@ class FilterFields(TypedDict, total=False):
     sensors: bool
     """Also test sensors."""
     ignore: "Union[_bodies.Body, None]"
-    """a body that is left out."""
+    """A body that is left out."""
     deformables: bool
     """Also test deformable objects."""
     ignore_object: "Union[_soft.Deformable, None]"
-    """a deformable object that is left out."""
+    """A deformable object that is left out."""
 
 class ImportOptions(TypedDict, total=False):
     key: str
@@ -168,7 +168,7 @@ class PainterOptions(TypedDict, total=False):
     samples: int
     """Per pixel."""
     color_by: str
-    """a quantity: "body", "speed", "strain" or another."""
+    """A quantity: "body", "speed", "strain" or another."""
     full_value: float
     """Value of the hottest color; 0: the largest one of each picture."""
 
@@ -178,9 +178,9 @@ class PictureOptions(PainterOptions, total=False):
     height: int
     """[pixels]."""
     eye: Vector
-    """of the camera [m]."""
+    """Of the camera [m]."""
     target: Vector
-    """of the camera [m]."""
+    """Of the camera [m]."""
     field_of_view: float
     """Full vertical angle [rad]."""
 
