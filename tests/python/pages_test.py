@@ -14,7 +14,7 @@ import rubble
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.S | re.M)
 # Packages that a machine need not have. A block that names one is left out where it is missing.
-OPTIONAL = {"torch": r"\btorch\b", "gymnasium": r"\bgymnasium\b|from rubble import gym"}
+OPTIONAL = {"torch": r"\btorch\b", "gymnasium": r"\bgymnasium\b|from rubble import gym", "jax": r"\bjax\b"}
 # Sizes that a test cannot afford.
 SMALLER = {"range(1000)": "range(2)", "num_envs=256": "num_envs=3", "4096": "5",
            "(scene, 1000)": "(scene, 5)"}
@@ -79,6 +79,8 @@ class Pages(Case):
         for number, code in enumerate(blocks):
             needed = [package for package, sign in OPTIONAL.items() if re.search(sign, code)]
             if any(importlib.util.find_spec(package) is None for package in needed):
+                continue
+            if ".render(" in code and not rubble.info()["opengl"].startswith("on"):
                 continue
             for size, smaller in SMALLER.items():
                 code = code.replace(size, smaller)
