@@ -17,7 +17,7 @@ PAGES = {
         "cloth_sheet", "straight_cable", "cable_along"]),
     "results": ("Hits, events and measures", ["Hit", "Events", "DebugDraw", "Quality"]),
     "sensors": ("Sensors and actuators", ["Sensors", "Actuators"]),
-    "pictures": ("Pictures and recordings", ["Painter", "save_png", "Recorder", "Recording", "Frame"]),
+    "pictures": ("Pictures and recordings", ["Painter", "Film", "save_png", "Recorder", "Recording", "Frame"]),
     "registry": ("Scene registry", ["scenes", "SceneInfo", "Argument", "Run", "Verdict", "Claim"]),
     "general": ("Errors and information", ["Error", "info"]),
 }
@@ -25,7 +25,7 @@ PAGES = {
 GYM = ("Environments", ["make", "WorldsEnv", "uniform", "CartPole", "Ant", "Humanoid", "Quadruped", "FourBar",
                         "LiftCube", "LiftSoft", "StackWall"])
 # Classes that only the package makes.
-MADE = {"Body", "Shape", "Joint", "Deformable", "Attachment", "Bodies", "Shapes", "Joints", "Deformables",
+MADE = {"Film", "Body", "Shape", "Joint", "Deformable", "Attachment", "Bodies", "Shapes", "Joints", "Deformables",
         "Attachments", "Params", "Snapshot", "StepReport", "Array", "DeviceArray", "Error"}
 SHOWN = ("__init__", "__getitem__", "__setitem__", "__len__")
 SECTION = re.compile(r"^(Args|Arguments|Returns|Raises|Attributes):(.*)$")

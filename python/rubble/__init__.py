@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Union
 from ._actuators import Actuators
 from ._arrays import Array, DeviceArray
 from ._bodies import Bodies, Body, ContactLoad, Shape, Shapes
+from ._film import Film
 from ._joints import AxisState, Joint, Joints, JointState
 from ._library import Error, json_of, lib
 from ._picture import Painter, save_png
@@ -55,10 +56,10 @@ def load(file: Union[str, os.PathLike[str]], **options: Unpack[ModelOptions]) ->
 __version__: str = info()["version"]
 __all__ = [
     "Actuators", "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim",
-    "ContactLoad", "DebugDraw", "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Frame", "Hit",
-    "Joint", "JointState", "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording", "Rod",
-    "Run", "Scene", "SceneInfo", "Sensors", "Shape", "Shapes", "Snapshot", "StepReport", "Surface", "Verdict",
-    "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet", "compound", "cone", "cylinder",
+    "ContactLoad", "DebugDraw", "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Film",
+    "Frame", "Hit", "Joint", "JointState", "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording",
+    "Rod", "Run", "Scene", "SceneInfo", "Sensors", "Shape", "Shapes", "Snapshot", "StepReport", "Surface",
+    "Verdict", "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet", "compound", "cone", "cylinder",
     "distance_field", "height_field", "hull", "info", "load", "mass_of", "mesh", "plane", "save_png",
     "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",
 ]

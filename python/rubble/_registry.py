@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 
 from . import _abi  # noqa: F401
 from ._library import Handle, check, encode, json_of, lib
+from ._progress import Progress, ProgressOption
 from ._scene import Scene
 from ._world import StepReport, World
 
@@ -82,6 +83,7 @@ class Run:
 
     def __init__(self, scene: Union[str, Scene], arguments: Optional[dict[str, float]] = None,
                  **options: Unpack[RunOptions]) -> None:
+        self._title = "scene" if isinstance(scene, Scene) else scene
         if isinstance(scene, Scene):
             self._handle = Handle(lib.rb_run_scene, lib.rb_run_destroy, scene._pointer, encode(options))
         else:
@@ -102,13 +104,17 @@ class Run:
         return report
 
     def run(self, steps: Optional[int] = None,
-            observer: Optional[Callable[[World, StepReport], Any]] = None) -> Verdict:
+            observer: Optional[Callable[[World, StepReport], Any]] = None, *,
+            progress: ProgressOption = None) -> Verdict:
         """Takes `steps` steps (None: those of a full run) and ends the measurements. `observer` is called
-        after each step, and ends the run if it returns False."""
-        for _ in range(self.steps if steps is None else steps):
-            report = self.step()
-            if observer is not None and observer(self.world, report) is False:
-                break
+        after each step, and ends the run if it returns False. `progress`: as for `World.step`."""
+        count = self.steps if steps is None else steps
+        with Progress(progress, self._title, count) as bar:
+            for k in range(count):
+                report = self.step()
+                bar.update(k + 1, report.total_ms)
+                if observer is not None and observer(self.world, report) is False:
+                    break
         return self.finish()
 
     def rewound(self) -> None:

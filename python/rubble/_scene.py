@@ -178,6 +178,12 @@ class Scene:
         check(lib.rb_scene_count(self._pointer, list.encode(), ctypes.byref(out)))
         return out.value
 
+    def _repr_png_(self) -> Optional[bytes]:
+        """How the scene begins, for notebooks."""
+        from ._film import NOTEBOOK, in_notebook
+        from ._world import World
+        return in_notebook(lambda: World(self, threads=1).render(**NOTEBOOK))
+
     def __repr__(self) -> str:
         kinds = ("bodies", "joints", "deformables")
         return "<rubble.Scene " + ", ".join(f"{self.count(kind)} {kind}" for kind in kinds) + ">"

@@ -9,9 +9,11 @@ import numpy as np
 from . import _abi
 from ._arrays import NAMES, StateArrays
 from ._bodies import Bodies, Body, Shapes, Vector
+from ._film import Filmed
 from ._joints import Joints
 from ._library import Handle, check, encode, json_of, lib, text_of, vector
 from ._picture import View
+from ._progress import Progress, ProgressOption
 from ._queries import Queries
 from ._scene import Scene
 from ._soft import Attachments, Deformable, Deformables
@@ -128,7 +130,7 @@ class Snapshot:
         return Snapshot(Handle(lib.rb_snapshot_from_bytes, lib.rb_snapshot_destroy, data, len(data)))
 
 
-class World(StateArrays, Queries, View):
+class World(StateArrays, Queries, View, Filmed):
     """A running simulation of a scene.
 
     Args:
@@ -188,12 +190,27 @@ class World(StateArrays, Queries, View):
         """Parameters by name."""
         return Params(self)
 
-    def step(self, count: int = 1) -> StepReport:
-        """Advances the world by `count` steps of ``params.dt``. Returns the report of the last one. Ctrl-C
-        works between steps."""
+    def step(self, count: int = 1, *, progress: ProgressOption = None) -> StepReport:
+        """Advances the world by `count` steps of ``params.dt``.
+
+        Args:
+            count: Number of steps.
+            progress: True: a bar on a terminal, lines with the time left in a log. A function: it is called
+                after each step with the steps done, all steps, and the time left [s].
+        Returns:
+            The report of the last step.
+
+        Ctrl-C ends the call between two steps, and the world stays as it is then.
+        """
         report = StepReport()
         reference = ctypes.byref(report._plain)
         pointer, take = self._pointer, lib.rb_world_step
+        if progress:
+            with Progress(progress, "world", count) as bar:
+                for k in range(count):
+                    check(take(pointer, reference))
+                    bar.update(k + 1, report.total_ms)
+            return report
         for _ in range(count):
             if take(pointer, reference):
                 check(1)

@@ -8,7 +8,9 @@ import numpy as np
 
 from . import _abi
 from ._arrays import JOINT_NAMES, SENSOR_NAMES, VERTEX_NAMES, index_of, read_array, write_rows
+from ._film import in_notebook
 from ._library import Handle, check, encode, invalid, json_of, lib, matrix
+from ._progress import Progress, ProgressOption
 from ._queries import _rays
 from ._scene import Scene
 from ._world import Snapshot, StepReport, World
@@ -81,11 +83,12 @@ class Worlds:
             found._own(_OneOf(self._handle, number))
         return found
 
-    def step(self, count: int = 1, active: Any = None) -> StepReport:
+    def step(self, count: int = 1, active: Any = None, *, progress: ProgressOption = None) -> StepReport:
         """Advances the worlds by `count` steps of dt.
 
         Args:
             active: (worlds,) booleans: which worlds take part; all others keep their state. None: all.
+            progress: As for `World.step`. Ctrl-C ends the call between two steps.
         Returns:
             The report of the last step: sums over the worlds that took part.
         """
@@ -95,8 +98,10 @@ class Worlds:
             if flags.shape != (len(self),):
                 raise invalid("active", f"shape ({len(self)},)", f"shape {flags.shape}")
             mask = flags.ctypes.data
-        for _ in range(count):
-            check(lib.rb_worlds_step(self._handle.pointer, 1, mask, ctypes.byref(report._plain)))
+        with Progress(progress, f"{len(self)} worlds", count) as bar:
+            for k in range(count):
+                check(lib.rb_worlds_step(self._handle.pointer, 1, mask, ctypes.byref(report._plain)))
+                bar.update(k + 1, report.total_ms)
         return report
 
     def reset(self, worlds: Any, snapshots: Union[Snapshot, Sequence[Snapshot]]) -> None:
@@ -237,6 +242,12 @@ class Worlds:
     def memory_bytes(self) -> int:
         """Memory of the tables of the engine [bytes]."""
         return lib.rb_worlds_memory_bytes(self._handle.pointer)
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """The first worlds, up to four, beside one another."""
+        if not len(self):
+            return None
+        return in_notebook(lambda: np.hstack([self[k].render(320, 240) for k in range(min(4, len(self)))]))
 
     def __repr__(self) -> str:
         return f"<rubble.Worlds {len(self)}>"
