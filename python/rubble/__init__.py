@@ -11,12 +11,15 @@
 Units are SI. Quaternions have the scalar first and rotate from body to world. Frames are right-handed, and no
 axis is built in as up. Definitions have the keys of scene files.
 """
+from __future__ import annotations
+
 import os
-from typing import Any, Union
+from typing import TYPE_CHECKING, Any, Union
 
 from ._actuators import Actuators
 from ._arrays import Array, DeviceArray
 from ._bodies import Bodies, Body, ContactLoad, Shape, Shapes
+from ._film import Film
 from ._joints import AxisState, Joint, Joints, JointState
 from ._library import Error, json_of, lib
 from ._picture import Painter, save_png
@@ -32,13 +35,18 @@ from ._soft import (Attachment, Attachments, Deformable, Deformables, Surface, c
 from ._world import Params, Snapshot, StepReport, World
 from ._worlds import Worlds
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import ModelOptions
+
 
 def info() -> dict[str, Any]:
     """Version, commit, backends, OpenGL, force types, deformable kinds and parameters of this build."""
     return json_of(lib.rb_info)
 
 
-def load(file: Union[str, os.PathLike[str]], **options: Any) -> Scene:
+def load(file: Union[str, os.PathLike[str]], **options: Unpack[ModelOptions]) -> Scene:
     """A scene of a scene file (.json), or of a model of another program: see `Scene.from_model`."""
     if os.fspath(file).endswith(".json"):
         return Scene.load(file)
@@ -48,10 +56,10 @@ def load(file: Union[str, os.PathLike[str]], **options: Any) -> Scene:
 __version__: str = info()["version"]
 __all__ = [
     "Actuators", "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim",
-    "ContactLoad", "DebugDraw", "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Frame", "Hit",
-    "Joint", "JointState", "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording", "Rod",
-    "Run", "Scene", "SceneInfo", "Sensors", "Shape", "Shapes", "Snapshot", "StepReport", "Surface", "Verdict",
-    "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet", "compound", "cone", "cylinder",
+    "ContactLoad", "DebugDraw", "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Film",
+    "Frame", "Hit", "Joint", "JointState", "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording",
+    "Rod", "Run", "Scene", "SceneInfo", "Sensors", "Shape", "Shapes", "Snapshot", "StepReport", "Surface",
+    "Verdict", "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet", "compound", "cone", "cylinder",
     "distance_field", "height_field", "hull", "info", "load", "mass_of", "mesh", "plane", "save_png",
     "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",
 ]

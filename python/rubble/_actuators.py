@@ -58,7 +58,7 @@ class Actuators(Named):
         """The numbers themselves, which keep the actuators alive."""
         if not np.prod(shape):
             return np.zeros(shape)
-        own = (ctypes.c_double * int(np.prod(shape))).from_address(ctypes.addressof(numbers.contents))
+        own: Any = (ctypes.c_double * int(np.prod(shape))).from_address(ctypes.addressof(numbers.contents))
         own._owner = self._handle
         return np.frombuffer(own).reshape(shape)
 

@@ -62,6 +62,8 @@ class _Exchanged:
 
     @property
     def dtype(self) -> np.dtype:
+        """Type of the numbers: float64 for positions, float32 for the others. All are float64 with the
+        backend "reference"."""
         return np.dtype(self._view.typestr.decode())
 
     @property

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ._fields import BodyFields
     from ._world import World
 
-Vector = Sequence[float]
+Vector = Union[Sequence[float], np.ndarray]
 
 
 class ContactLoad(NamedTuple):
@@ -25,7 +25,7 @@ class ContactLoad(NamedTuple):
     force: np.ndarray  #: (3,) [N]
     torque: np.ndarray  #: (3,) about the center of mass [N m]
     residual: float  #: largest remaining penetration [m]
-    points: int
+    points: int  #: number of contact points
 
 
 class Element:
@@ -52,6 +52,7 @@ class Element:
 
     @property
     def alive(self) -> bool:
+        """Whether the object is still in the world. All else of a removed object raises `Error`."""
         return bool(self._function("rb_world_{}_alive")(self._world._pointer, self._id))
 
     def remove(self) -> None:
@@ -100,6 +101,7 @@ class NamedElement(Element):
 
     @property
     def name(self) -> str:
+        """Its name, or "" without one. Raises `Error` once it is removed."""
         return text_of(self._function("rb_world_{}_name"), self._world._pointer, self._id)
 
     @property
@@ -182,6 +184,9 @@ class Body(NamedElement):
 
         Pose and velocities are kept, and so are contacts unless the shape changes. ``mass`` and ``density``
         replace each other. ``shape`` may be a `Shape` of the world.
+
+        Raises:
+            Error: For an unknown key, an invalid value, or a body that was removed. Nothing is changed then.
         """
         fields: dict[str, Any] = dict(values)
         if isinstance(fields.get("shape"), Shape):
@@ -277,11 +282,14 @@ class Body(NamedElement):
 
     @property
     def asleep(self) -> bool:
+        """Whether the body sleeps: it is left out of the steps until it is touched or changed. Only with the
+        parameter ``sleeping``."""
         out = ctypes.c_int32()
         check(lib.rb_world_asleep(self._world._pointer, self._id, ctypes.byref(out)))
         return bool(out.value)
 
     def wake(self) -> None:
+        """Wakes the body and the island that it sleeps in. Does nothing if it is awake."""
         check(lib.rb_world_wake(self._world._pointer, self._id))
 
     def remove(self) -> None:
@@ -360,7 +368,7 @@ class Bodies(Collection):
 
     def add(self, **fields: Unpack[BodyFields]) -> Body:
         """Adds a body with the keys of scene files: shape, position, mass, motion, material and others.
-        ``shape`` may be a `Shape` of the world."""
+        ``shape`` may be a `Shape` of the world. Raises `Error` with the path of an invalid field."""
         out, values = _abi.BodyId(), dict(fields)
         shape = values.get("shape")
         if isinstance(shape, Shape):
@@ -377,6 +385,8 @@ class Bodies(Collection):
         return [self._make(*id) for id in added.tolist()]
 
     def remove_many(self, bodies: Iterable[Body]) -> None:
+        """Removes bodies and their joints. Raises `Error` if one of them is not alive, and removes none
+        then."""
         ids = ids_of(bodies)
         check(lib.rb_world_remove_bodies(self._world._pointer, ids.ctypes.data, len(ids)))
 

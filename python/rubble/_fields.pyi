@@ -1,174 +1,422 @@
-"""Keys of definitions, as in scene files. A vector is 3 numbers, a quaternion 4 with the scalar first."""
+"""Keys of definitions, as in scene files. Written by tools/make_python_stubs from their schema."""
 from typing import Any, Literal, Sequence, TypedDict, Union
 
-Vector = Any
-Quaternion = Any
-Hard = Union[float, Literal["hard"]]
-Breaks = Union[float, Literal["never"]]
-Shape = Any  # a definition, the name of one, or a Shape of the world
+import numpy as np
+
+from . import _bodies
+
+Numbers = Union[Sequence[Any], np.ndarray]  # of the shape that the field says
+Vector = Union[Sequence[float], np.ndarray]  # 3 numbers
+Quaternion = Union[Sequence[float], np.ndarray]  # 4 numbers, the scalar first
+Shape = Union[dict[str, Any], str, "_bodies.Shape"]  # a definition, the name of one, or a shape of the world
+Named = Union[str, int]  # a name or an index
+
+class Turn(TypedDict):
+    axis: Vector
+    degrees: float
 
 class Material(TypedDict, total=False):
     friction: float
+    """Coefficients [1]; dynamic friction is at most static friction."""
     static_friction: float
+    """Coefficients [1]; dynamic friction is at most static friction."""
     dynamic_friction: float
+    """Coefficients [1]; dynamic friction is at most static friction."""
     restitution: float
-    friction_combine: str
-    restitution_combine: str
-    rolling_friction: float  # [m]
-    torsional_friction: float  # [m]
-    surface_velocity: Vector  # [m/s]
+    """0 to 1."""
+    rolling_friction: float
+    """Levers [m]."""
+    torsional_friction: float
+    """Levers [m]."""
+    friction_combine: Literal["usual", "average", "minimum", "multiply", "maximum", "geometric_mean"]
+    """How a pair makes one number of two: `"usual"`, `"average"`, `"minimum"`, `"multiply"`, `"maximum"`,
+    `"geometric_mean"`. Of two different rules the later one in this list holds."""
+    restitution_combine: Literal["usual", "average", "minimum", "multiply", "maximum", "geometric_mean"]
+    """How a pair makes one number of two: `"usual"`, `"average"`, `"minimum"`, `"multiply"`, `"maximum"`,
+    `"geometric_mean"`. Of two different rules the later one in this list holds."""
+    surface_velocity: Vector
+    """Of a conveyor, body axes [m/s]."""
+    one_way: Vector
+    """Of a one-way surface: direction of the side that holds, body axes."""
+    name: str
+    """For pair rules."""
+
+class MaterialPair(TypedDict, total=False):
+    friction: float
+    """Coefficients [1]; dynamic friction is at most static friction."""
+    static_friction: float
+    """Coefficients [1]; dynamic friction is at most static friction."""
+    dynamic_friction: float
+    """Coefficients [1]; dynamic friction is at most static friction."""
+    restitution: float
+    """0 to 1."""
+    rolling_friction: float
+    """Levers [m]."""
+    torsional_friction: float
+    """Levers [m]."""
 
 class BodyOptions(TypedDict, total=False):
     name: str
-    motion: Literal["static", "kinematic", "dynamic"]
+    """A text; joints, events and claims refer to it."""
+    motion: Literal["dynamic", "kinematic", "static"]
+    """`"dynamic"`, `"kinematic"` (follows its velocity, pushes others) or `"static"`."""
+    density: float
+    """[kg/m3]; gives mass and inertia."""
+    mass: float
+    """[kg], in place of `density`; inertia goes with it."""
+    inertia: Vector
+    """Three principal moments about the center of mass, body axes [kg m2], in place of those of the
+    shape."""
     material: Union[Material, dict[str, Any], str]
-    density: float  # [kg/m3]
-    mass: float  # [kg]
-    inertia: Vector  # [kg m2]
-    position: Vector  # [m]
-    orientation: Union[Quaternion, dict[str, Any]]
-    velocity: Vector  # [m/s]
-    angular_velocity: Vector  # [rad/s]
+    """A material, or the name of one in `materials`."""
+    position: Vector
+    """Of the shape frame, world [m]."""
+    orientation: Union[Quaternion, Turn]
+    """Body to world: a unit quaternion `[w, x, y, z]`, or `{"axis": [x, y, z], "degrees": angle}`."""
+    velocity: Vector
+    """Of the center of mass, world axes [m/s]."""
+    angular_velocity: Vector
+    """World axes [rad/s]."""
     gravity_scale: float
-    user_data: int
-    linear_damping: float  # [1/s]
-    angular_damping: float  # [1/s]
+    """Factor on gravity for this body."""
+    linear_damping: float
+    """c: the velocity of a free body decays as exp(-c t) [1/s]."""
+    angular_damping: float
+    """c: the angular velocity of a free body decays as exp(-c t) [1/s]."""
     lock_translation: Sequence[Literal["x", "y", "z"]]
+    """World axes that it does not move along."""
     lock_rotation: Sequence[Literal["x", "y", "z"]]
+    """World axes that it does not turn about."""
     layers: Sequence[int]
+    """List of the layers that it is in, 0 to 31."""
     mask: Sequence[int]
+    """List of the layers that it collides with."""
     group: int
+    """Two bodies of one group always collide if its number is positive, and never if it is negative."""
     sensor: bool
+    """It reports overlaps and has no contact forces."""
+    user_data: int
+    """A whole number of the caller, which events and hits return."""
 
 class BodyFields(BodyOptions, total=False):
     shape: Shape
+    """A definition, or the name of one."""
 
 class AxisFields(TypedDict, total=False):
-    locked: bool
-    min: Union[float, Literal["free"]]  # [m] or [rad]
-    max: Union[float, Literal["free"]]
-    limit_stiffness: Hard
-    limit_damping: float
-    target_position: float
-    target_speed: float
-    drive_stiffness: Hard
-    drive_damping: Hard
-    max_drive_force: Hard
-    friction: float
-    armature: float  # [kg] or [kg m2]
+    """An axis of a joint, in [m], [N] or [rad], [N m]."""
+    armature: float
+    """Inertia of the motor, as it acts on the axis [kg, kg m2]."""
     damping: float
+    """Viscous friction, without a bound [N s/m, N m s/rad]."""
+    drive_damping: Union[float, Literal["hard"]]
+    """Towards the target speed; 0: none; hard: a motor [N s/m, N m s/rad]."""
+    drive_stiffness: Union[float, Literal["hard"]]
+    """Towards the target position; 0: none [N/m, N m/rad]."""
+    friction: float
+    """Resists any motion, up to this [N, N m]."""
+    limit_damping: float
+    """Of limits with a stiffness [N s/m, N m s/rad]."""
+    limit_stiffness: Union[float, Literal["hard"]]
+    """Of the limits [N/m, N m/rad]."""
+    locked: bool
+    """Min and max are 0."""
+    max: Union[float, Literal["free"]]
+    """Upper limit; equal ones lock the axis [m, rad]."""
+    max_drive_force: Union[float, Literal["hard"]]
+    """Largest force of the drive [N, N m]."""
+    min: Union[float, Literal["free"]]
+    """Lower limit [m, rad]."""
     motor_force: float
+    """Of the motor, positive where it raises the coordinate [N, N m]."""
+    target_position: float
+    """Of the drive [m, rad]."""
+    target_speed: float
+    """Of the drive [m/s, rad/s]."""
 
 class JointValues(TypedDict, total=False):
-    name: str
-    anchor_a: Vector  # in the frame of the body [m]
+    """What a joint has wherever it is; each type takes some of these."""
+    anchor_a: Vector
+    """Point on body A, in its frame [m]."""
     anchor_b: Vector
-    frame_a: Quaternion
-    frame_b: Quaternion
-    orientation_a_to_b: Quaternion
-    stiffness: Hard  # [N/m]
-    damping: float  # [N s/m]
+    """Point on body B, in its frame [m]."""
+    frame_a: Union[Quaternion, Turn]
+    """Axes of the joint on A, a unit quaternion."""
+    frame_b: Union[Quaternion, Turn]
+    """Axes of the joint on B."""
+    orientation_a_to_b: Union[Quaternion, Turn]
+    """Wanted orientation of A seen from B, a unit quaternion."""
+    stiffness: Union[float, Literal["hard"]]
+    """Of the anchors or of the length, or "hard" [N/m]."""
+    damping: float
+    """Beside a stiffness [N s/m]."""
     damping_ratio: float
-    angular_stiffness: Hard  # [N m/rad]
-    angular_damping: float  # [N m s/rad]
+    """In place of damping: of critical, for the two bodies alone."""
+    angular_stiffness: Union[float, Literal["hard"]]
+    """Of the orientation, or "hard" [N m/rad]."""
+    angular_damping: float
+    """Beside an angular stiffness [N m s/rad]."""
     angular_damping_ratio: float
-    max_force: Hard  # [N]
-    max_torque: Hard  # [N m]
-    length: float  # [m]
+    """In place of angular damping."""
+    max_force: Union[float, Literal["hard"]]
+    """The anchors are held with this force at most, or "hard" [N]."""
+    max_torque: Union[float, Literal["hard"]]
+    """The orientation is held with this torque at most, or "hard" [N m]."""
+    length: float
+    """Below 0: as it is at the beginning [m]."""
     ratio: float
-    pulley_a: Vector  # [m]
+    """Between the motion of A and of B; rack: travel of B for a radian of A [m]."""
+    path: Numbers
+    """Five numbers for each point: side, x, y, z, weight of the segment [1, m]."""
+    terms: Numbers
+    """Thirteen numbers for each coordinate: kind, sides, axis, anchor, c_1-4 [1, m]."""
+    tilts: Numbers
+    """Two numbers for each coordinate: tilts of the gimbal that it is an angle of [rad]."""
+    wraps: Numbers
+    """Thirteen numbers for each sphere or cylinder that the path goes around [1, m]."""
+    pulley_a: Vector
+    """Point of the world that A's part runs over [m]."""
     pulley_b: Vector
-    swing_y: Union[float, Literal["free"]]  # [rad]
+    """Point of the world that B's part runs over [m]."""
+    swing_y: Union[float, Literal["free"]]
+    """Half angle of the cone about y, or "free" [rad]."""
     swing_z: Union[float, Literal["free"]]
-    friction: float  # [N m]
-    drive_orientation: Quaternion
-    drive_stiffness: Hard  # [N m/rad]
-    drive_damping: Hard  # [N m s/rad]
-    max_drive_torque: Hard  # [N m]
+    """Half angle of the cone about z, or "free" [rad]."""
+    offset_b: Vector
+    """From anchor B to the second axis, in the frame of B at angles of 0 [m]."""
+    offset_a: Vector
+    """From there to anchor A, likewise [m]."""
+    tilt_b: float
+    """90 degrees less the angle between the first and the second axis [rad]."""
+    tilt_a: float
+    """90 degrees less the angle between the second and the third axis [rad]."""
+    friction: float
+    """Torque that resists any turn [N m]."""
+    drive_orientation: Union[Quaternion, Turn]
+    """Wanted orientation of A's frame seen from B's."""
+    drive_stiffness: Union[float, Literal["hard"]]
+    """Towards drive_orientation, or "hard" [N m/rad]."""
+    drive_damping: Union[float, Literal["hard"]]
+    """Of that drive, or "hard" [N m s/rad]."""
+    max_drive_torque: Union[float, Literal["hard"]]
+    """Of that drive, or "hard" [N m]."""
     axes: Sequence[Union[AxisFields, dict[str, Any]]]
-    break_force: Breaks  # [N]
-    break_torque: Breaks  # [N m]
+    """Its axes, in their order."""
+    break_force: Union[float, Literal["never"]]
+    """The joint breaks when its force reaches this, or "never" [N]."""
+    break_torque: Union[float, Literal["never"]]
+    """The joint breaks when its torque reaches this, or "never" [N m]."""
     collide: bool
+    """Do the two bodies collide with one another?."""
+    name: str
+    """A text; events and claims refer to it."""
+    user_data: int
+    """A whole number of the caller, which events and hits return."""
 
 class JointFields(JointValues, total=False):
-    anchor: Vector  # in the world [m]
+    anchor: Vector
+    """A point of the world [m], where both bodies are when the scene begins."""
     axis: Vector
+    """Direction of the joint's x axis in the world as the scene begins; `axis_b`: another one for B."""
     axis_b: Vector
-    frame: Any
+    """Direction of the joint's x axis in the world as the scene begins; `axis_b`: another one for B."""
+    frame: Union[Quaternion, Turn]
+    """In its place: all three axes, an orientation."""
 
 class SceneJointFields(JointFields, total=False):
-    frame_body_a: Union[str, int]
-    frame_body_b: Union[str, int]
+    frame_body_a: Named
+    """Gear, rack: bodies in which the axes lie as the scene begins; tendon: sides 2 and 3."""
+    frame_body_b: Named
+    """Gear, rack: bodies in which the axes lie as the scene begins; tendon: sides 2 and 3."""
     joint_a: str
+    """In place of bodies, frame bodies, anchors and axes: names of two hinges further up (gear), of a
+    hinge and a slider (rack)."""
     joint_b: str
+    """In place of bodies, frame bodies, anchors and axes: names of two hinges further up (gear), of a
+    hinge and a slider (rack)."""
 
 class DeformableFields(TypedDict, total=False):
-    type: Literal["tet_solid", "cloth", "cable", "net", "particles"]
     name: str
-    vertices: Any  # (n, 3) [m]
-    start: Any
+    """Optional."""
+    vertices: Numbers
+    """Shape at rest, world [m]."""
+    start: Numbers
+    """Where the vertices start; at rest if it is not given [m]."""
     fixed: Sequence[int]
-    velocity: Vector  # [m/s]
-    angular_velocity: Vector  # [rad/s]
+    """Vertices that never move."""
+    velocity: Vector
+    """At the beginning [m/s]."""
+    angular_velocity: Vector
+    """About the center of mass [rad/s]."""
     material: Union[Material, dict[str, Any], str]
+    """Of the surface; without rolling friction and surface velocity."""
     gravity_scale: float
+    """Factor on the scene's gravity."""
     collide: bool
+    """With bodies."""
     collide_surface: bool
+    """Vertices, edges and triangles, with those of other objects that say so."""
     collide_self: bool
+    """Vertices, edges and triangles, with one another."""
     collide_vertices: bool
-    tetrahedra: Any
-    triangles: Any
-    youngs_modulus: float  # [Pa]
+    """With vertices of other objects that say so, as spheres."""
+    tetrahedra: Numbers
+    """Four vertices each, of positive volume."""
+    youngs_modulus: float
+    """E [Pa]."""
     poisson_ratio: float
-    density: float  # [kg/m3]
-    viscosity: float  # [Pa s]
-    yield_stress: float  # [Pa]
-    hardening: float  # [Pa]
-    contact_radius: float  # [m]
-    thickness: float  # [m]
-    bending_stiffness: float  # [N m]
-    bending_damping: float  # [N s/rad]
+    """nu, 0 to below .5."""
+    density: float
+    """Of the solid [kg/m3]."""
+    viscosity: float
+    """Of the strain rate [Pa s]."""
+    yield_stress: float
+    """Von Mises stress at which it begins to flow [Pa]."""
+    hardening: float
+    """Of the yield stress, for each unit of plastic strain [Pa]."""
+    contact_radius: float
+    """How far from a vertex its surface lies [m]."""
+    triangles: Numbers
+    """Three vertices each."""
+    thickness: float
+    """Contacts keep half of it [m]."""
+    bending_stiffness: float
+    """E h^3 / (12 (1 - nu^2)) if it is not given [N m]."""
     rest_folded: bool
-    tear_stretch: Breaks
-    pressure: float  # [Pa]
+    """Keep the angles of the mesh; else it wants to be flat."""
+    bending_damping: float
+    """Of the rate of an angle, for each metre of edge [N s/rad]."""
+    tear_stretch: Union[float, Literal["never"]]
+    """Length over rest length at which a triangle tears."""
+    pressure: float
+    """Inside over outside, of a closed sheet [Pa]."""
     closed: bool
-    radius: float  # [m]
-    break_force: Breaks  # [N]
-    masses: Sequence[float]  # [kg]
-    edges: Any
+    """A ring."""
+    radius: float
+    """Of its circular section; also in contact [m]."""
+    break_force: Union[float, Literal["never"]]
+    """Tension at which a segment breaks [N]."""
+    masses: Numbers
+    """Of each vertex; one number serves all [kg]."""
+    edges: Numbers
+    """Springs: [vertex, vertex, stiffness, damping, rest length]; the last two may be left out [N/m, N
+    s/m, m]."""
     mesh: dict[str, Any]
+    """A file in place of vertices."""
+    type: Literal["tet_solid", "cloth", "cable", "net", "particles"]
     elements: Sequence[dict[str, Any]]
+    """Of types that an extension adds."""
 
 class AttachmentFields(TypedDict, total=False):
     name: str
-    weights: Sequence[float]
-    anchor: Vector  # [m]
+    """Optional."""
+    weights: Numbers
+    """Of these vertices; equal ones if they are not given."""
+    anchor: Vector
+    """In the frame of the body; where the vertices start if it is not given [m]."""
     other_vertices: Sequence[int]
-    other_weights: Sequence[float]
-    stiffness: Hard  # [N/m]
-    break_force: Breaks  # [N]
+    """Of a seam: of the other object."""
+    other_weights: Numbers
+    """Of these vertices."""
+    stiffness: Union[float, Literal["hard"]]
+    """Or "hard" [N/m]."""
+    break_force: Union[float, Literal["never"]]
+    """The attachment breaks when its force reaches this [N]."""
 
 class SceneAttachmentFields(AttachmentFields, total=False):
-    body: Union[str, int]
-    other_object: Union[str, int]
+    body: Named
+    """Name or index of a body; the world if it is not given."""
+    other_object: Named
+    """Of a seam: name or index of the other object."""
 
-class RodFields(TypedDict, total=False):
+class SensorFields(TypedDict, total=False):
     name: str
-    radius: float  # [m]
-    youngs_modulus: float  # [Pa]
-    poisson_ratio: float
-    density: float  # [kg/m3]
-    viscosity: float  # [Pa s]
-    break_force: Breaks  # [N]
-    break_torque: Breaks  # [N m]
-    start: Union[int, Literal["world"]]
-    end: Union[int, Literal["world"]]
-    material: Union[Material, dict[str, Any]]
+    """Optional."""
+    body: Named
+    """Of the frame; the world unless given."""
+    position: Vector
+    """Of the frame on the body [m]."""
+    orientation: Union[Quaternion, Turn]
+    """Of the frame, to the body."""
+    reference: Named
+    """Body of the reference frame; the world unless given."""
+    reference_position: Vector
+    """Of the reference frame on its body [m]."""
+    reference_orientation: Union[Quaternion, Turn]
+    """Of the reference frame, to its body."""
+    joint: Named
+    """Name or index."""
+    axis: int
+    """Of the joint, from 0."""
+    scale: float
+    """Factor on the reading of a joint."""
+    offset: float
+    """Added to that."""
+    cutoff: float
+    """Bound of each number; 0: none."""
+    volume: Shape
+    """Touch: a sphere, box, capsule or cylinder."""
 
-class FilterFields(TypedDict, total=False):
-    layers: int
-    mask: int
-    sensors: bool
-    ignore: Any
-    deformables: bool
-    ignore_object: Any
+class ActuatorFields(TypedDict, total=False):
+    activation: float
+    """At the beginning."""
+    axis: int
+    """Of the joint, from 0."""
+    bias: Vector
+    """Without input: the same [N, N m]."""
+    body: Named
+    """Wrench, adhesion: name or index."""
+    control: float
+    """At the beginning."""
+    dynamics: Literal["none", "integrator", "filter", "filter_exact", "muscle"]
+    """How its input follows its control."""
+    early: bool
+    """The activation of the end of a step acts in it."""
+    force: Vector
+    """Wrench: of a unit, in the frame of the body [N]."""
+    gain: Vector
+    """Per input: constant, by length and by speed [N, N m]."""
+    gear: float
+    """Length of the actuator per unit of the coordinate."""
+    included: float
+    """Effect that the axis has already [N, N m, m, rad]."""
+    joint: Named
+    """Of the other types: name or index."""
+    max_activation: Union[float, Literal["free"]]
+    """The same."""
+    max_control: Union[float, Literal["free"]]
+    """The same."""
+    max_force: Union[float, Literal["hard"]]
+    """The same [N, N m]."""
+    min_activation: Union[float, Literal["free"]]
+    """Activations are clamped to it."""
+    min_control: Union[float, Literal["free"]]
+    """Controls are clamped to it."""
+    min_force: Union[float, Literal["hard"]]
+    """Bound of what it does [N, N m]."""
+    muscle: dict[str, Any]
+    """Its numbers."""
+    name: str
+    """Optional."""
+    offset: float
+    """Its length where the coordinate is 0 [m, rad]."""
+    position: Vector
+    """Wrench: point of the body [m]."""
+    time_constant: float
+    """Of a filter [s]."""
+    torque: Vector
+    """Wrench: the same [N m]."""
+
+class EventFields(TypedDict, total=False):
+    remove_joints: Sequence[str]
+    """List of names of joints."""
+    remove: Sequence[str]
+    """List of names of bodies; `"brick*"` stands for every name that begins with `brick`. The joints of a
+    body are removed with it."""
+    add: Sequence[Union[BodyFields, dict[str, Any]]]
+    """List of bodies."""
+    set_velocity: Sequence[dict[str, Any]]
+    """List of `{"body": name, "velocity": [x, y, z], "angular_velocity": [x, y, z]}` [m/s], [rad/s];
+    default 0."""
+    set_joint: Sequence[dict[str, Any]]
+    """List of `{"joint": name, "axis": 0, "target_position": number, "target_speed": number,
+    "motor_force": number, "length": number, "drag_to": [x, y, z]}`; other values are kept."""

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 class AxisState(NamedTuple):
     """State of a joint axis, in [m] and [N] or in [rad] and [N m]."""
 
-    position: float
-    speed: float
-    limit_force: float
-    drive_force: float
-    friction_force: float
+    position: float  #: from its zero at the start [m], [rad]
+    speed: float  #: [m/s], [rad/s]
+    limit_force: float  #: of the limits, on body A along the axis [N], [N m]
+    drive_force: float  #: of the drive, likewise
+    friction_force: float  #: of friction, likewise
     motor_force: float  #: of armature, damping and the motor
 
 
@@ -34,11 +34,12 @@ class JointState(NamedTuple):
     angle: float  #: angular constraint error [rad]
     force: np.ndarray  #: (3,) on body B or on the vertices [N]
     torque: np.ndarray  #: (3,) on body B, about its anchor [N m]
-    axes: tuple[AxisState, ...]
-    broken: bool
+    axes: tuple[AxisState, ...]  #: one for each axis of its type; empty for attachments
+    broken: bool  #: whether it broke; a broken joint holds nothing
 
     @classmethod
     def of(cls, state: _abi.JointState) -> "JointState":
+        """From the struct of the C library."""
         axes = tuple(AxisState(*(getattr(axis, name) for name in AxisState._fields))
                      for axis in state.axes[:state.axis_count])
         return cls(state.gap, state.angle, np.array(state.force), np.array(state.torque), axes,
@@ -53,6 +54,8 @@ class Joint(NamedElement):
 
     @property
     def state(self) -> JointState:
+        """Gap [m], angle [rad], force [N], torque [N m] and axes after the last step; see `JointState`.
+        Raises `Error` once the joint is removed."""
         out = _abi.JointState()
         check(lib.rb_world_joint_state(self._world._pointer, self._id, ctypes.byref(out)))
         return JointState.of(out)
@@ -76,12 +79,14 @@ class Joint(NamedElement):
         return a, b
 
     def set(self, **values: Unpack[JointValues]) -> None:
-        """Replaces values from the next step on, with the keys of scene files: ``set(axes=[{"max": 1}])``."""
+        """Replaces values from the next step on, with the keys of scene files: ``set(axes=[{"max": 1}])``.
+        Raises `Error` with the path of an invalid field."""
         check(lib.rb_world_set_joint(self._world._pointer, self._id, encode(values)))
 
     def set_target(self, *, position: Optional[float] = None, speed: Optional[float] = None,
                    axis: int = 0) -> None:
-        """Target of the drive of an axis: position [m] or [rad], speed [m/s] or [rad/s]."""
+        """Target of the drive of an axis: position [m] or [rad], speed [m/s] or [rad/s]. Raises `Error` for
+        an axis that the joint does not have."""
         pointer = self._world._pointer
         if position is not None:
             check(lib.rb_world_set_target_position(pointer, self._id, axis, position))
@@ -129,6 +134,8 @@ class Joints(Collection):
             frame_bodies: Frame bodies of gears and racks.
             fields: Keys of scene files. "anchor" [m], "axis" and "frame" are in the world, at the present
                 poses.
+        Raises:
+            Error: For an unknown type or key, an invalid value, or a body that was removed.
         """
         out = _abi.JointId()
         definition = encode({"type": type, **fields})

@@ -5,7 +5,7 @@ import ctypes
 import json
 import os
 import pathlib
-from typing import Any, Callable, Iterator, Optional, Sequence
+from typing import Any, Callable, Iterator, Optional, Sequence, Union
 
 import numpy as np
 
@@ -114,7 +114,7 @@ def encode(definition: Any) -> bytes:
 _VECTORS = {count: ctypes.c_double * count for count in (3, 4)}
 
 
-def vector(value: Sequence[float], path: str, count: int = 3) -> ctypes.Array:
+def vector(value: Union[Sequence[float], np.ndarray], path: str, count: int = 3) -> ctypes.Array:
     """`count` numbers as a C array."""
     try:
         if len(value) == count:

@@ -3,14 +3,20 @@ from __future__ import annotations
 
 import ctypes
 import os
+import threading
 import weakref
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
 from . import _abi
 from ._bodies import Vector
 from ._library import Handle, check, encode, invalid, lib
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import PainterOptions
 
 _VIEW = ("eye", "target", "field_of_view")
 
@@ -29,7 +35,7 @@ class Painter:
         Error: If the build or the machine has no OpenGL.
     """
 
-    _shared: "weakref.WeakKeyDictionary[Any, tuple[dict[str, Any], Painter]]" = weakref.WeakKeyDictionary()
+    _kept = threading.local()  # of a thread: owner, options and painter of the last picture
 
     def __init__(self, width: int = 1280, height: int = 720, samples: Optional[int] = None,
                  color_by: str = "body", full_value: float = 0) -> None:
@@ -41,13 +47,18 @@ class Painter:
 
     @classmethod
     def shared(cls, owner: Any, options: dict[str, Any]) -> "Painter":
-        """The painter that an owner used last, if it has the same options."""
+        """The painter that an owner used last, if it has the same options. A thread has one at a time, since
+        painters share the OpenGL context that is current."""
         wanted = {key: value for key, value in options.items() if key not in _VIEW}
-        found = cls._shared.get(owner)
-        if found is None or found[0] != wanted:
-            found = (wanted, cls(**wanted))
-            cls._shared[owner] = found
-        return found[1]
+        found = getattr(cls._kept, "last", None)
+        if found is not None and found[0]() is owner and found[1] == wanted:
+            return found[2]
+        if found is not None:
+            cls._kept.last = None
+            found[2]._handle.close()
+        painter = cls(**wanted)
+        cls._kept.last = (weakref.ref(owner), wanted, painter)
+        return painter
 
     def draw(self, world: Any, eye: Optional[Vector] = None, target: Optional[Vector] = None,
              field_of_view: float = 0.6) -> np.ndarray:
@@ -84,7 +95,8 @@ class View:
     """Pictures of a world."""
 
     def render(self, width: int = 1280, height: int = 720, *, eye: Optional[Vector] = None,
-               target: Optional[Vector] = None, field_of_view: float = 0.6, **options: Any) -> np.ndarray:
+               target: Optional[Vector] = None, field_of_view: float = 0.6,
+               **options: Unpack[PainterOptions]) -> np.ndarray:
         """A picture of the world as it is now.
 
         Args:

@@ -16,7 +16,7 @@ from ._soft import Deformable
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._fields import FilterFields
+    from ._options import DrawOptions, FilterFields
 
 ALL = 0xFFFFFFFF
 
@@ -196,7 +196,7 @@ class Queries:
             return lib.rb_world_contact_forces(pointer, ids.ctypes.data, len(ids) // 2, array)
         return read_array(call, self._owner, 0)
 
-    def debug_draw(self, **options: Any) -> DebugDraw:
+    def debug_draw(self, **options: Unpack[DrawOptions]) -> DebugDraw:
         """The world as colored primitives, for a renderer of the caller.
 
         Args:
@@ -224,6 +224,8 @@ class Queries:
 
     @property
     def quality(self) -> Quality:
+        """Penetrations [m], joint gaps [m], energies [J] and speed [m/s] of the present state; see
+        `Quality`."""
         out = _abi.Quality()
         check(lib.rb_world_quality(self._pointer, ctypes.byref(out)))
         depth = out.penetration

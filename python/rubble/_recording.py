@@ -3,13 +3,20 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import Any, Iterator, NamedTuple, Union
+from typing import TYPE_CHECKING, Any, Iterator, NamedTuple, Optional, Union
 
 import numpy as np
 
 from . import _abi
+from ._film import NOTEBOOK, Film, checked, film_of, in_notebook
 from ._library import Handle, check, json_of, lib, structs
+from ._progress import ProgressOption
 from ._world import World
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import PictureOptions
 
 Path = Union[str, os.PathLike[str]]
 
@@ -109,10 +116,24 @@ class Recording:
         """"bodies" and "deformables" of a frame, in the order of its poses and vertices."""
         return json_of(lib.rb_recording_objects, self._pointer, self._index(index))
 
-    def render(self, index: int, **options: Any) -> np.ndarray:
+    def render(self, index: int, **options: Unpack[PictureOptions]) -> np.ndarray:
         """A picture of a frame; options as for `World.render`."""
         from ._picture import Painter
-        return Painter.shared(self, options).draw_frame(self, self._index(index), options)
+        given: dict[str, Any] = {**options}
+        return Painter.shared(self, given).draw_frame(self, self._index(index), given)
+
+    def film(self, file: Optional[Path] = None, *, fps: float = 30, slow: float = 1,
+             progress: ProgressOption = None, **options: Unpack[PictureOptions]) -> Film:
+        """A film of the recording, which a notebook shows; arguments, options and errors are those of
+        `World.film`. A picture shows the frame that is next in time."""
+        suffix = checked(file, fps, slow, {**options})
+        times = np.array([frame.time for frame in self])
+        wanted = np.arange(times[0], times[-1] + 1e-9, 1 / (fps * slow)) if len(times) else times
+        indices = np.minimum(np.searchsorted(times, wanted - 1e-9), len(times) - 1).tolist()
+        return film_of(self, indices, file, suffix, fps, progress, {**options})
+
+    def _repr_png_(self) -> Optional[bytes]:
+        return in_notebook(lambda: self.render(-1, **NOTEBOOK)) if self._count else None
 
     def __repr__(self) -> str:
         torn = "" if self.complete else f", cut off at {self.intact_bytes} of {self.file_bytes} bytes"

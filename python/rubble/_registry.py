@@ -2,55 +2,61 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any, Callable, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 
 from . import _abi  # noqa: F401
 from ._library import Handle, check, encode, json_of, lib
+from ._progress import Progress, ProgressOption
 from ._scene import Scene
 from ._world import StepReport, World
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import RunOptions
 
 
 class Argument(NamedTuple):
     """A number that a scene can be built with."""
 
-    name: str
+    name: str  #: key of `Scene.from_registry`
     value: float  #: default
-    min: Optional[float]
-    max: Optional[float]
+    min: Optional[float]  #: smallest value; None: no bound
+    max: Optional[float]  #: largest value; None: no bound
     unit: str  #: "1" for none
-    doc: str
-    whole: bool
+    doc: str  #: what it changes
+    whole: bool  #: whether it is a whole number
 
 
 class SceneInfo(NamedTuple):
     """A scene of the registry."""
 
-    name: str
-    doc: str
+    name: str  #: of the scene
+    doc: str  #: what it shows
     steps: int  #: of a full run
     iterations: int  #: that the verdict is stated for
-    substeps: int
-    tags: list[str]
-    arguments: list[Argument]
+    substeps: int  #: likewise
+    tags: list[str]  #: groups that it belongs to
+    arguments: list[Argument]  #: numbers that it can be built with
 
 
 class Claim(NamedTuple):
     """A statement of a verdict: the metric lies in [min, max]; None: no bound."""
 
-    metric: str
-    min: Optional[float]
-    max: Optional[float]
+    metric: str  #: name of what is measured, with its unit
+    min: Optional[float]  #: lower bound
+    max: Optional[float]  #: upper bound
     value: Optional[float]  #: None: it was not measured
-    holds: bool
-    why: str
+    holds: bool  #: whether the value is known and within the bounds
+    why: str  #: reason of the bounds
 
 
 class Verdict(NamedTuple):
     """Result of a run."""
 
     holds: Optional[bool]  #: None: the scene is not from the registry, and nothing was judged
-    metrics: dict[str, Optional[float]]
-    claims: list[Claim]
+    metrics: dict[str, Optional[float]]  #: all that was measured; None: it could not be
+    claims: list[Claim]  #: what the scene must do
 
 
 def scenes() -> dict[str, SceneInfo]:
@@ -77,7 +83,8 @@ class Run:
     """
 
     def __init__(self, scene: Union[str, Scene], arguments: Optional[dict[str, float]] = None,
-                 **options: Any) -> None:
+                 **options: Unpack[RunOptions]) -> None:
+        self._title = "scene" if isinstance(scene, Scene) else scene
         if isinstance(scene, Scene):
             self._handle = Handle(lib.rb_run_scene, lib.rb_run_destroy, scene._pointer, encode(options))
         else:
@@ -99,13 +106,17 @@ class Run:
         return report
 
     def run(self, steps: Optional[int] = None,
-            observer: Optional[Callable[[World, StepReport], Any]] = None) -> Verdict:
+            observer: Optional[Callable[[World, StepReport], Any]] = None, *,
+            progress: ProgressOption = None) -> Verdict:
         """Takes `steps` steps (None: those of a full run) and ends the measurements. `observer` is called
-        after each step, and ends the run if it returns False."""
-        for _ in range(self.steps if steps is None else steps):
-            report = self.step()
-            if observer is not None and observer(self.world, report) is False:
-                break
+        after each step, and ends the run if it returns False. `progress`: as for `World.step`."""
+        count = self.steps if steps is None else steps
+        with Progress(progress, self._title, count) as bar:
+            for k in range(count):
+                report = self.step()
+                bar.update(k + 1, report.total_ms)
+                if observer is not None and observer(self.world, report) is False:
+                    break
         return self.finish()
 
     def rewound(self) -> None:

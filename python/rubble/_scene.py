@@ -6,13 +6,17 @@ import json
 import os
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Sequence, Union
 
+import numpy as np
+
 from . import _abi  # noqa: F401
 from ._library import Handle, check, encode, json_of, lib, text_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._fields import BodyOptions, DeformableFields, RodFields, SceneAttachmentFields, SceneJointFields
+    from ._fields import (ActuatorFields, BodyOptions, DeformableFields, EventFields, MaterialPair,
+                          SceneAttachmentFields, SceneJointFields, SensorFields)
+    from ._options import ImportOptions, RodFields, SceneFields, SceneValues
 
 Definition = dict[str, Any]
 
@@ -24,10 +28,10 @@ def _import(file: bytes, options: bytes, report: Any, pointer: Any) -> int:
 class Rod(NamedTuple):
     """Indices of the parts of a rod in a scene."""
 
-    first_body: int
-    bodies: int
-    first_joint: int
-    joints: int
+    first_body: int  #: index of its first body
+    bodies: int  #: number of bodies, one after the other
+    first_joint: int  #: index of its first joint
+    joints: int  #: number of joints
 
 
 class Scene:
@@ -45,7 +49,8 @@ class Scene:
     #: What became of each element of the model that the scene was imported from; empty for other scenes.
     report: Definition = {}
 
-    def __init__(self, *, gravity: Sequence[float] = (0, 0, -9.81), folder: str = "", **values: Any) -> None:
+    def __init__(self, *, gravity: Union[Sequence[float], np.ndarray] = (0, 0, -9.81),
+                 folder: str = "", **values: Unpack[SceneValues]) -> None:
         self._own(Handle(lib.rb_scene_create, lib.rb_scene_destroy, folder.encode()))
         self.set(gravity=gravity, **values)
 
@@ -69,7 +74,7 @@ class Scene:
 
     @classmethod
     def from_model(cls, file: Union[str, os.PathLike[str]], *, strict: bool = False,
-                   **options: Any) -> "Scene":
+                   **options: Unpack[ImportOptions]) -> "Scene":
         """A scene of a model (MJCF, URDF, USD, glTF with physics), with the report of its import in `report`.
 
         strict: refuse a model of which anything is lost or approximate. Options: ``key`` (keyframe of MJCF),
@@ -96,12 +101,15 @@ class Scene:
         return text_of(lib.rb_scene_text, self._pointer)
 
     def to_dict(self) -> Definition:
+        """The scene with the keys of scene files, a copy. `from_json` reads it back."""
         return json_of(lib.rb_scene_text, self._pointer)
 
     def save(self, file: Union[str, os.PathLike[str]]) -> None:
+        """Writes a scene file, which `load` reads back bit for bit. Raises `Error` if it
+        cannot be written."""
         check(lib.rb_scene_write(self._pointer, os.fsencode(file)))
 
-    def set(self, **values: Any) -> None:
+    def set(self, **values: Unpack[SceneFields]) -> None:
         """Sets keys that are no lists: gravity, materials, shapes, camera, sun, sky, steps and others."""
         for key, value in values.items():
             check(lib.rb_scene_set(self._pointer, key.encode(), encode(value)))
@@ -141,16 +149,16 @@ class Scene:
         check(lib.rb_scene_add_rod(self._pointer, encode({"points": points, **fields}), out))
         return Rod(*out)
 
-    def add_event(self, step: int, **actions: Any) -> int:
+    def add_event(self, step: int, **actions: Unpack[EventFields]) -> int:
         """Adds an event that a `Run` applies before a step: add, remove, set_velocity and others."""
         return self.add("events", {"step": step, **actions})
 
-    def add_sensor(self, type: str, **fields: Any) -> int:
+    def add_sensor(self, type: str, **fields: Unpack[SensorFields]) -> int:
         """A sensor for `rubble.Sensors`: type ("acceleration", "touch", "joint_position" and others), name,
         body, position, orientation, joint, axis, volume and other keys of scene files."""
         return self.add("sensors", {"type": type, **fields})
 
-    def add_actuator(self, type: str, **fields: Any) -> int:
+    def add_actuator(self, type: str, **fields: Unpack[ActuatorFields]) -> int:
         """An actuator for `rubble.Actuators`: type ("force", "position", "muscle", "wrench" and others),
         name, joint, axis, body, gain, dynamics and other keys of scene files."""
         return self.add("actuators", {"type": type, **fields})
@@ -159,7 +167,7 @@ class Scene:
         """Two bodies that do not collide."""
         return self.add("exclusions", [a, b])
 
-    def add_material_pair(self, a: str, b: str, **coefficients: float) -> int:
+    def add_material_pair(self, a: str, b: str, **coefficients: Unpack[MaterialPair]) -> int:
         """A rule for contacts of two named materials: friction (or static_friction and dynamic_friction),
         restitution [1], rolling_friction and torsional_friction [m] that replace the mixtures."""
         return self.add("material_pairs", {"a": a, "b": b, **coefficients})
@@ -169,6 +177,12 @@ class Scene:
         out = ctypes.c_int64()
         check(lib.rb_scene_count(self._pointer, list.encode(), ctypes.byref(out)))
         return out.value
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """How the scene begins, for notebooks."""
+        from ._film import NOTEBOOK, in_notebook
+        from ._world import World
+        return in_notebook(lambda: World(self, threads=1).render(**NOTEBOOK))
 
     def __repr__(self) -> str:
         kinds = ("bodies", "joints", "deformables")

@@ -13,16 +13,17 @@ Definition = dict[str, Any]
 
 
 def box(x: float, y: float, z: float, rounding: float = 0) -> Definition:
-    """A box with these full edge lengths. `rounding`: radius of its edges."""
+    """A box about the origin with these full edge lengths [m]. `rounding`: radius of its edges [m]."""
     return {"type": "box", "size": [x, y, z], **({"rounding": rounding} if rounding else {})}
 
 
 def sphere(radius: float) -> Definition:
+    """A sphere about the origin of the shape frame, `radius` above 0 [m]."""
     return {"type": "sphere", "radius": radius}
 
 
 def capsule(radius: float, length: float) -> Definition:
-    """`length`: distance of the centers of its two ends."""
+    """A capsule along local z. `radius` [m]; `length`: distance of the centers of its two ends [m]."""
     return {"type": "capsule", "radius": radius, "length": length}
 
 
@@ -32,17 +33,19 @@ def plane() -> Definition:
 
 
 def cylinder(radius: float, length: float, rounding: float = 0) -> Definition:
+    """A cylinder along local z about its middle, `radius` and `length` above 0 [m]. `rounding`: radius of its
+    edges [m]."""
     return {"type": "cylinder", "radius": radius, "length": length,
             **({"rounding": rounding} if rounding else {})}
 
 
 def cone(radius: float, length: float) -> Definition:
-    """Base at z = -length / 2, tip at +length / 2."""
+    """A cone along local z: base of `radius` [m] at z = -length / 2, tip at +length / 2 [m]."""
     return {"type": "cone", "radius": radius, "length": length}
 
 
 def hull(points: Any, rounding: float = 0) -> Definition:
-    """The convex hull of points, shape (n, 3)."""
+    """The convex hull of points (n, 3) in the shape frame [m]. `rounding`: radius of its edges [m]."""
     return {"type": "hull", "points": np.asarray(points, float).tolist(),
             **({"rounding": rounding} if rounding else {})}
 
@@ -54,7 +57,7 @@ def compound(*parts: Definition) -> Definition:
 
 
 def mesh(vertices: Any, triangles: Any, two_sided: bool = False) -> Definition:
-    """A triangle mesh: (n, 3) vertices, (m, 3) indices, counter-clockwise seen from outside. Static and
+    """A triangle mesh: (n, 3) vertices [m], (m, 3) indices, counter-clockwise seen from outside. Static and
     kinematic bodies only."""
     return {"type": "mesh", "vertices": np.asarray(vertices, float).tolist(),
             "triangles": np.asarray(triangles, int).tolist(), **({"two_sided": True} if two_sided else {})}
@@ -85,6 +88,7 @@ class Mass(NamedTuple):
 
     @classmethod
     def of(cls, mass: _abi.Mass) -> "Mass":
+        """From the struct of the C library."""
         return cls(mass.mass, np.array(mass.inertia), np.array(mass.center), np.array(mass.axes))
 
 
@@ -98,7 +102,8 @@ class ShapeHandle(Handle):
 
 
 def mass_of(shape: Definition, density: float = 1000) -> Mass:
-    """Mass properties of a shape at a density [kg/m3]."""
+    """Mass properties of a shape at a density [kg/m3]: zeros for a plane, mesh or height field. Raises
+    `Error` with the path of an invalid field of the shape."""
     handle, out = ShapeHandle(shape), _abi.Mass()
     check(lib.rb_shape_mass(handle.pointer, density, ctypes.byref(out)))
     return Mass.of(out)

@@ -90,6 +90,8 @@ class Deformable(NamedElement):
 
     @property
     def surface(self) -> Surface:
+        """Vertices (n, 3) [m], triangles (m, 3) and segments (k, 2) to draw it by, copies; see `Surface`.
+        Raises `Error` once the object is removed."""
         out = _abi.Surface()
         check(lib.rb_world_surface(self._world._pointer, self._id, ctypes.byref(out)))
 
@@ -123,7 +125,7 @@ class Deformables(Collection):
     def add(self, definition: Optional[Definition] = None,
             **fields: Unpack[DeformableFields]) -> Deformable:
         """Adds an object with the keys of scene files, or a definition that `tet_box` and others make, with
-        `fields` in addition."""
+        `fields` in addition. Raises `Error` with the path of an invalid field."""
         out = _abi.DeformableId()
         check(lib.rb_world_add_deformable(self._world._pointer, encode({**(definition or {}), **fields}),
                                           ctypes.byref(out)))
@@ -138,6 +140,8 @@ class Attachment(Element):
 
     @property
     def state(self) -> JointState:
+        """Gap [m] and force (3,) [N] on the vertices after the last step; angle, torque and axes are 0 and
+        empty. Raises `Error` once the attachment is removed."""
         out = _abi.JointState()
         check(lib.rb_world_attachment_state(self._world._pointer, self._id, ctypes.byref(out)))
         return JointState.of(out)
@@ -168,7 +172,8 @@ class Attachments(Collection):
     def add(self, object: Deformable, vertices: Sequence[int], body: Optional[Body] = None, *,
             other: Optional[Deformable] = None, **fields: Unpack[AttachmentFields]) -> Attachment:
         """Attaches the mean of up to four vertices to a body (None: the world) or to `other_vertices` of
-        another object. `fields`: keys of scene files, such as ``stiffness`` [N/m] and ``anchor`` [m]."""
+        another object. `fields`: keys of scene files, such as ``stiffness`` [N/m] and ``anchor`` [m].
+        Raises `Error` for vertices that the object does not have, or with the path of an invalid field."""
         out = _abi.AttachmentId()
         definition = encode({"vertices": list(vertices), **fields})
         check(lib.rb_world_add_attachment(self._world._pointer, definition, object._id, id_of(body),

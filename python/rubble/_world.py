@@ -9,12 +9,20 @@ import numpy as np
 from . import _abi
 from ._arrays import NAMES, StateArrays
 from ._bodies import Bodies, Body, Shapes, Vector
+from ._film import Filmed
 from ._joints import Joints
 from ._library import Handle, check, encode, json_of, lib, text_of, vector
 from ._picture import View
+from ._progress import Progress, ProgressOption
 from ._queries import Queries
 from ._scene import Scene
 from ._soft import Attachments, Deformable, Deformables
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._fields import MaterialPair
+    from ._options import Parameters, WorldOptions
 
 
 class StepReport:
@@ -75,6 +83,7 @@ class Params:
         return json_of(lib.rb_world_params, self._world._pointer)
 
     def keys(self) -> list[str]:
+        """Names of all parameters."""
         return list(self._all())
 
     def __iter__(self) -> Iterator[str]:
@@ -93,7 +102,7 @@ class Params:
     def __setattr__(self, name: str, value: Any) -> None:
         self.set(**{name: value})
 
-    def set(self, **values: Any) -> None:
+    def set(self, **values: Unpack[Parameters]) -> None:
         """Sets parameters. Raises `Error` for an unknown name or a value out of range."""
         check(lib.rb_world_set_params(self._world._pointer, encode(values)))
 
@@ -121,7 +130,7 @@ class Snapshot:
         return Snapshot(Handle(lib.rb_snapshot_from_bytes, lib.rb_snapshot_destroy, data, len(data)))
 
 
-class World(StateArrays, Queries, View):
+class World(StateArrays, Queries, View, Filmed):
     """A running simulation of a scene.
 
     Args:
@@ -138,7 +147,7 @@ class World(StateArrays, Queries, View):
     """
 
     def __init__(self, scene: Scene, *, backend: str = "cpu", threads: int = 0, events: bool = False,
-                 **options: Any) -> None:
+                 **options: Unpack[WorldOptions]) -> None:
         given = {"backend": backend, "threads": threads, "events": events, **options}
         self._own(Handle(lib.rb_world_create, lib.rb_world_destroy, scene._pointer, encode(given)))
 
@@ -181,12 +190,27 @@ class World(StateArrays, Queries, View):
         """Parameters by name."""
         return Params(self)
 
-    def step(self, count: int = 1) -> StepReport:
-        """Advances the world by `count` steps of ``params.dt``. Returns the report of the last one. Ctrl-C
-        works between steps."""
+    def step(self, count: int = 1, *, progress: ProgressOption = None) -> StepReport:
+        """Advances the world by `count` steps of ``params.dt``.
+
+        Args:
+            count: Number of steps.
+            progress: True: a bar on a terminal, lines with the time left in a log. A function: it is called
+                after each step with the steps done, all steps, and the time left [s].
+        Returns:
+            The report of the last step.
+
+        Ctrl-C ends the call between two steps, and the world stays as it is then.
+        """
         report = StepReport()
         reference = ctypes.byref(report._plain)
         pointer, take = self._pointer, lib.rb_world_step
+        if progress:
+            with Progress(progress, "world", count) as bar:
+                for k in range(count):
+                    check(take(pointer, reference))
+                    bar.update(k + 1, report.total_ms)
+            return report
         for _ in range(count):
             if take(pointer, reference):
                 check(1)
@@ -214,11 +238,12 @@ class World(StateArrays, Queries, View):
     def gravity(self, value: Vector) -> None:
         check(lib.rb_world_set_gravity(self._pointer, vector(value, "gravity")))
 
-    def set_material_pair(self, a: str, b: str, **coefficients: float) -> None:
+    def set_material_pair(self, a: str, b: str, **coefficients: Unpack[MaterialPair]) -> None:
         """Adds a rule for two named materials, or replaces theirs, as `Scene.add_material_pair`."""
         check(lib.rb_world_set_material_pair(self._pointer, encode({"a": a, "b": b, **coefficients})))
 
     def remove_material_pair(self, a: str, b: str) -> None:
+        """Removes the rule for two named materials. Raises `Error` if there is none."""
         check(lib.rb_world_remove_material_pair(self._pointer, a.encode(), b.encode()))
 
     @property
@@ -228,6 +253,7 @@ class World(StateArrays, Queries, View):
 
     @property
     def step_count(self) -> int:
+        """Number of steps taken; a snapshot restores it."""
         return lib.rb_world_step_count(self._pointer)
 
     @property
@@ -236,13 +262,13 @@ class World(StateArrays, Queries, View):
         return lib.rb_world_time(self._pointer)
 
     def body_at(self, index: int) -> Body:
-        """The body with that index in the scene."""
+        """The body with that index in the scene, even if it was removed. Raises `Error` if there is none."""
         out = _abi.BodyId()
         check(lib.rb_world_body_at(self._pointer, index, ctypes.byref(out)))
         return Body(self, out)
 
     def deformable_at(self, index: int) -> Deformable:
-        """The deformable object with that index in the scene."""
+        """The deformable object with that index in the scene. Raises `Error` as `body_at` does."""
         out = _abi.DeformableId()
         check(lib.rb_world_deformable_at(self._pointer, index, ctypes.byref(out)))
         return Deformable(self, out)
@@ -256,6 +282,12 @@ class World(StateArrays, Queries, View):
         return Snapshot(Handle(lib.rb_world_snapshot, lib.rb_snapshot_destroy, self._pointer))
 
     def restore(self, snapshot: Snapshot) -> None:
+        """Returns to a snapshot, of this world or of another one: bodies, joints, contacts, time and ids are
+        those of it. Array views become invalid.
+
+        Raises:
+            Error: For a snapshot of another precision: one of backend "reference" in another, or the reverse.
+        """
         check(lib.rb_world_restore(self._pointer, snapshot._handle.pointer))
 
     def hash(self) -> int:

@@ -9,7 +9,9 @@ import numpy as np
 from . import _abi
 from ._arrays import JOINT_NAMES, SENSOR_NAMES, VERTEX_NAMES, index_of, read_array, write_rows
 from ._exchange import WORLDS
+from ._film import in_notebook
 from ._library import Handle, check, encode, invalid, json_of, lib, matrix
+from ._progress import Progress, ProgressOption
 from ._queries import _rays
 from ._scene import Scene
 from ._world import Snapshot, StepReport, World
@@ -18,7 +20,7 @@ from ._world import Snapshot, StepReport, World
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._fields import FilterFields
+    from ._options import FilterFields, Parameters, WorldOptions
 
 
 class _OneOf:
@@ -54,7 +56,8 @@ class Worlds:
     """
 
     def __init__(self, scene: Optional[Scene] = None, count: int = 1, *, backend: str = "cpu",
-                 threads: int = 0, events: bool = False, **options: Any) -> None:
+                 threads: int = 0, events: bool = False,
+                 **options: Unpack[WorldOptions]) -> None:
         given = {"backend": backend, "threads": threads, "events": events, **options}
         self._handle = Handle(lib.rb_worlds_create, lib.rb_worlds_destroy, encode(given))
         self._worlds: dict[int, World] = {}
@@ -81,11 +84,12 @@ class Worlds:
             found._own(_OneOf(self._handle, number))
         return found
 
-    def step(self, count: int = 1, active: Any = None) -> StepReport:
+    def step(self, count: int = 1, active: Any = None, *, progress: ProgressOption = None) -> StepReport:
         """Advances the worlds by `count` steps of dt.
 
         Args:
             active: (worlds,) booleans: which worlds take part; all others keep their state. None: all.
+            progress: As for `World.step`. Ctrl-C ends the call between two steps.
         Returns:
             The report of the last step: sums over the worlds that took part.
         """
@@ -95,8 +99,10 @@ class Worlds:
             if flags.shape != (len(self),):
                 raise invalid("active", f"shape ({len(self)},)", f"shape {flags.shape}")
             mask = flags.ctypes.data
-        for _ in range(count):
-            check(lib.rb_worlds_step(self._handle.pointer, 1, mask, ctypes.byref(report._plain)))
+        with Progress(progress, f"{len(self)} worlds", count) as bar:
+            for k in range(count):
+                check(lib.rb_worlds_step(self._handle.pointer, 1, mask, ctypes.byref(report._plain)))
+                bar.update(k + 1, report.total_ms)
         self._handle.held.clear()
         return report
 
@@ -120,7 +126,7 @@ class Worlds:
         """All parameters by name."""
         return json_of(lib.rb_worlds_params, self._handle.pointer)
 
-    def set_params(self, **values: Any) -> None:
+    def set_params(self, **values: Unpack[Parameters]) -> None:
         """Sets parameters of all worlds. Raises `Error` for an unknown name or a value out of range."""
         check(lib.rb_worlds_set_params(self._handle.pointer, encode(values)))
 
@@ -300,6 +306,12 @@ class Worlds:
     def memory_bytes(self) -> int:
         """Memory of the tables of the engine [bytes]."""
         return lib.rb_worlds_memory_bytes(self._handle.pointer)
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """The first worlds, up to four, beside one another."""
+        if not len(self):
+            return None
+        return in_notebook(lambda: np.hstack([self[k].render(320, 240) for k in range(min(4, len(self)))]))
 
     def __repr__(self) -> str:
         return f"<rubble.Worlds {len(self)}>"

@@ -42,8 +42,9 @@ class Ant(Robot):
     Observation, 28 numbers: height of the torso [m], its orientation (4), velocity (3) [m/s] and angular
     velocity (3) [rad/s], positions (8) [rad] and speeds (8) [rad/s] of the hinges, and the sum of the normal
     forces on the torso over the weight of the ant.
-    Action: targets of the hinges, see `Robot`. Reward: speed along x [m/s] + 0.5 - 0.05 |action|^2. An
-    episode ends with the torso below 0.3 m or above 1.2 m.
+    Action: targets of the hinges, from -1 (lower limit) over 0 (pose of the scene) to 1 (upper limit).
+    Reward: speed along x [m/s] + 0.5 - 0.05 |action|^2. An episode ends with the torso below
+    0.3 m or above 1.2 m.
     """
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:

@@ -28,7 +28,7 @@ def scene() -> Scene:
 
 
 class Gantry(HandEnv):
-    """Actions (4): see `HandEnv`."""
+    """Moves a hand on three sliders. Actions (4): see `HandEnv`."""
 
     _low = np.array((-REACH, -REACH, -HAND_HEIGHT + FINGER + 0.02, 0))
     _high = np.array((REACH, REACH, 0.3, OPEN))

@@ -72,8 +72,8 @@ class Humanoid(Robot):
     (3) [m/s2] and angular velocity (3) [rad/s] as an inertial sensor measures them, positions (27) [rad] and
     speeds (27) [rad/s] of the axes, normal forces on both feet over the weight (2), and the heights of pelvis
     and head [m].
-    Action: targets of the 27 axes, see `Robot`. Reward: speed along x [m/s] + 1 - 0.02 |action|^2. An episode
-    ends with the chest below 0.9 m.
+    Action: targets of the 27 axes, from -1 (lower limit) over 0 (pose of the scene) to 1 (upper limit).
+    Reward: speed along x [m/s] + 1 - 0.02 |action|^2. An episode ends with the chest below 0.9 m.
     """
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:

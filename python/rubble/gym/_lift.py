@@ -18,7 +18,9 @@ class LiftCube(Gantry):
 
     Observation, 16 numbers: place (4) [m] and speed (4) [m/s] of the hand and a finger, normal forces on the
     fingers (2) [N] over 10, then the place (3) [m] and velocity (3) [m/s] of the cube relative to the hand.
-    Action (4): see `Gantry`. Reward: see `lifting`.
+    Action (4), from -1 to 1: speeds of the hand's target along x, y, z, and of the fingers (positive: close).
+    Reward, up to 6.5: 1 less the distance of hand and cube [m], up to 0.5 for a grip of 5 N, and up to 5 for
+    the height above where it lay, at 0.2 m.
     """
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:

@@ -64,8 +64,9 @@ class Quadruped(Robot):
     (3) [rad/s] of the trunk as an inertial sensor measures them, positions (12) [rad] and speeds (12) [rad/s]
     of the hinges, its height over the ground below it [m], and heights of the ground at 15 places around it
     relative to that below it [m].
-    Action: targets of the hinges, see `Robot`. Reward: speed along x [m/s], at most 1, + 0.5 - 0.02
-    |action|^2. An episode ends with the trunk below 0.15 m over the ground, upside down or off the field.
+    Action: targets of the hinges, from -1 (lower limit) over 0 (pose of the scene) to 1 (upper limit).
+    Reward: speed along x [m/s], at most 1, + 0.5 - 0.02 |action|^2. An episode ends with the trunk
+    below 0.15 m over the ground, upside down or off the field.
     """
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:

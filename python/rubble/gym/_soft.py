@@ -67,7 +67,7 @@ class LiftSoft(HandEnv):
     Observation, 23 numbers: angles (4) [rad] and speeds (4) [rad/s] of the arm, place [m] and speed [m/s] of
     a finger, and forces of the drives of both fingers [N] over 10. Then the place (3) [m] of the hand in the
     world. Of the block: its center (3) [m] relative to the hand, its mean velocity (3) [m/s], and its extent
-    (2) [m] along x and y. Action (4): see `HandEnv`. Reward: see `lifting`.
+    (2) [m] along x and y. Action (4) and reward: as of `LiftCube`, with the center of the block.
     """
 
     _low = np.array((-0.15, -0.25, -_PLACE[2] + FINGER + 0.02, 0))

@@ -17,8 +17,8 @@ class StackWall(Gantry):
     """Build a wall of four bricks, two in the lowest course, from bricks that lie around.
 
     Observation, 38 numbers: as of `LiftCube` without the cube, then for each brick its place (3) [m] relative
-    to that in the wall and its orientation (4). Action (4): see `Gantry`. Reward: the number of bricks within
-    2 cm of their places, less the mean distance of all bricks to them [m].
+    to that in the wall and its orientation (4). Action (4): as of `LiftCube`. Reward: the number of bricks
+    within 2 cm of their places, less the mean distance of all bricks to them [m].
     """
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:
