@@ -83,6 +83,7 @@ class Pages(Case):
             if any(importlib.util.find_spec(package) is None for package in needed):
                 continue
             if 'backend="cuda"' in code and not HAS_CUDA:
+                continue
             if ".render(" in code and not rubble.info()["opengl"].startswith("on"):
                 continue
             for size, smaller in SMALLER.items():
