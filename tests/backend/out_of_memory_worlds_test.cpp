@@ -132,7 +132,7 @@ std::vector<WorldsCall> editsOfWorlds() {
        [](Worlds& w) {
          World& own = w[kCopies];
          const DeformableId cloth = own.findDeformable("cloth");
-         const std::vector<Vec3> to(static_cast<std::size_t>(own.vertexCount(cloth)), Vec3{5, 0, 2});
+         static const std::vector<Vec3> to(static_cast<std::size_t>(own.vertexCount(cloth)), Vec3{5, 0, 2});
          own.setVertices(cloth, to, to);
        }},
   };

@@ -341,7 +341,7 @@ static void sensorsOfASceneMeasureManyWorlds(void) {
   rb_scene* scene = NULL;
   rb_worlds* worlds = NULL;
   rb_sensors* sensors = NULL;
-  CHECK(rb_scene_create(&scene) == RB_OK);
+  CHECK(rb_scene_create("", &scene) == RB_OK);
   CHECK(rb_scene_add(scene, "bodies", kBody, NULL) == RB_OK);
   CHECK(rb_scene_add(scene, "sensors", kSensor, NULL) == RB_OK);
   CHECK(rb_worlds_create("{\"threads\": 1}", &worlds) == RB_OK);

@@ -35,7 +35,7 @@ class Session {
     expectOk(rb_world_find_joint(world, "link", &link));
     expectOk(rb_world_find_deformable(world, "rope", &rope));
     expectOk(rb_world_snapshot(world, &snapshot));
-    expectOk(rb_shape_create(R"({"type": "capsule", "radius": 0.2, "height": 0.5})", &capsule));
+    expectOk(rb_shape_create(R"({"type": "capsule", "radius": 0.2, "length": 0.5})", &capsule));
     expectOk(rb_world_add_shape(world, capsule, &capsuleId));
     expectOk(rb_worlds_create(kOptions, &batch));
     expectOk(rb_worlds_add(batch, scene, 2, nullptr));

@@ -24,7 +24,9 @@ BEFORE = {
     "docs/soft.md": "rubble::Scene scene;",
     "docs/start.md": "rubble::Scene scene;",
     "docs/worlds.md": "rubble::Scene scene, anotherScene; rubble::WorldOptions options;"
-                      "rubble::Worlds worlds(options); std::vector<int> done;",
+                      "rubble::Worlds worlds(options); std::vector<int> done, numbers;"
+                      "std::vector<double> masses, stiffness, vectors;"
+                      "struct { std::vector<rubble::SensorDef> sensors; } file;",
 }
 # Headers of others that pages include, which a machine need not have.
 HEADERS = {"cuda_runtime_api.h": "typedef struct CUstream_st* cudaStream_t;\n"}
@@ -52,7 +54,8 @@ def cpp_of(name, number, code):
 
 
 def compile_blocks(compiler):
-    includes, functions, names = {"#include <rubble/rubble.h>", "#include <rubble/worlds.h>"}, [], []
+    includes, functions, names = {"#include <rubble/rubble.h>", "#include <rubble/sensors.h>",
+                                    "#include <rubble/worlds.h>"}, [], []
     for page in pages():
         name = page.relative_to(ROOT).as_posix()
         for mark, language, code in BLOCK.findall(page.read_text(encoding="utf-8")):

@@ -56,7 +56,6 @@ const std::vector<Authored>& authoredValues() {
   static const std::vector<Authored> all{
       {"gravity", {0, 1, -9}},
       {"bodies.pole.mass", {3.5}},
-      {"bodies.pole.inertia", {1, 2, 2.5}},
       {"bodies[2].density", {700}},
       {"bodies[\"left.crate\"].linear_damping", {0.25}},
       {"bodies.pole.gravity_scale", {-0.5}},
@@ -150,7 +149,7 @@ TEST(Values, AnAttachmentFollowsItsStiffnessAndAnchor) {
   worlds.addCopies(variedScene(), 2);
   worlds.step(1);
   worlds.setValues("attachments.hook.anchor", std::vector<int>{1}, std::vector<double>{6, 0, 3.5});
-  worlds.step(60);
+  worlds.step(300);
   const auto top = [&](int w) { return worlds[w].positions(worlds[w].findDeformable("rope"))[0]; };
   EXPECT_NEAR(top(0).z, 3, 0.01);
   EXPECT_NEAR(top(1).z, 3.5, 0.01);
