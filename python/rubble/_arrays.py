@@ -81,7 +81,8 @@ class _Exchanged:
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
         if self.on_device:
             raise TypeError("the array is in device memory: use a library for GPUs")
-        return np.array(self, dtype=dtype, copy=copy)  # by __array_interface__
+        out = np.asarray(self, dtype=dtype)  # by __array_interface__
+        return out.copy() if copy else out
 
     def __dlpack_device__(self) -> tuple[int, int]:
         """Type and number of the device, as in DLPack: (1, 0) for the host, (2, number) for a GPU."""

@@ -358,53 +358,35 @@ class SensorFields(TypedDict, total=False):
 
 class ActuatorFields(TypedDict, total=False):
     activation: float
-    """At the beginning."""
     axis: int
     """Of the joint, from 0."""
     bias: Vector
-    """Without input: the same [N, N m]."""
     body: Named
     """Wrench, adhesion: name or index."""
     control: float
-    """At the beginning."""
     dynamics: Literal["none", "integrator", "filter", "filter_exact", "muscle"]
     """How its input follows its control."""
     early: bool
-    """The activation of the end of a step acts in it."""
     force: Vector
-    """Wrench: of a unit, in the frame of the body [N]."""
     gain: Vector
-    """Per input: constant, by length and by speed [N, N m]."""
     gear: float
-    """Length of the actuator per unit of the coordinate."""
     included: float
-    """Effect that the axis has already [N, N m, m, rad]."""
     joint: Named
     """Of the other types: name or index."""
     max_activation: Union[float, Literal["free"]]
-    """The same."""
     max_control: Union[float, Literal["free"]]
-    """The same."""
     max_force: Union[float, Literal["hard"]]
-    """The same [N, N m]."""
     min_activation: Union[float, Literal["free"]]
-    """Activations are clamped to it."""
     min_control: Union[float, Literal["free"]]
-    """Controls are clamped to it."""
     min_force: Union[float, Literal["hard"]]
-    """Bound of what it does [N, N m]."""
     muscle: dict[str, Any]
     """Its numbers."""
     name: str
     """Optional."""
     offset: float
-    """Its length where the coordinate is 0 [m, rad]."""
     position: Vector
-    """Wrench: point of the body [m]."""
     time_constant: float
-    """Of a filter [s]."""
     torque: Vector
-    """Wrench: the same [N m]."""
 
 class EventFields(TypedDict, total=False):
     remove_joints: Sequence[str]
