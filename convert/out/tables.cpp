@@ -143,7 +143,14 @@ class Member {
     out << name_;
     write(out, extra);
     std::ifstream in(part_.path(), std::ios::binary);
-    if (!out_ || !in || !(out << in.rdbuf())) out.setstate(std::ios::failbit);
+    // not `out << in.rdbuf()`, which says nothing of a write that fails after the first
+    std::vector<char> piece(1 << 16);
+    std::uint64_t copied = 0;
+    while (out && in.read(piece.data(), std::ssize(piece)).gcount() > 0) {
+      out.write(piece.data(), in.gcount());
+      copied += static_cast<std::uint64_t>(in.gcount());
+    }
+    if (!out_ || copied != size_) out.setstate(std::ios::failbit);
     return head.bytes().size() + name_.size() + extra.size() + size_;
   }
   /// Entry of the directory; returns its size.
