@@ -13,11 +13,12 @@ PAGES = {
     "bodies": ("Bodies and shapes of a world", ["Bodies", "Body", "ContactLoad", "Shapes", "Shape"]),
     "joints": ("Joints of a world", ["Joints", "Joint", "JointState", "AxisState"]),
     "deformables": ("Deformable objects", [
-        "Deformables", "Deformable", "Surface", "Attachments", "Attachment", "tet_box", "tet_ball", "tet_solid",
-        "cloth_sheet", "straight_cable", "cable_along"]),
+        "Deformables", "Deformable", "Surface", "Attachments", "Attachment", "tet_box", "tet_ball",
+        "tet_solid", "cloth_sheet", "straight_cable", "cable_along"]),
     "results": ("Hits, events and measures", ["Hit", "Events", "DebugDraw", "Quality"]),
     "sensors": ("Sensors and actuators", ["Sensors", "Actuators"]),
-    "pictures": ("Pictures and recordings", ["Painter", "Film", "save_png", "Recorder", "Recording", "Frame"]),
+    "pictures": ("Pictures and recordings", [
+        "Painter", "Film", "save_png", "Recorder", "Recording", "Frame"]),
     "registry": ("Scene registry", ["scenes", "SceneInfo", "Argument", "Run", "Verdict", "Claim"]),
     "general": ("Errors and information", ["Error", "info"]),
 }
@@ -25,8 +26,8 @@ PAGES = {
 GYM = ("Environments", ["make", "WorldsEnv", "uniform", "CartPole", "Ant", "Humanoid", "Quadruped", "FourBar",
                         "LiftCube", "LiftSoft", "StackWall"])
 # Classes that only the package makes.
-MADE = {"Film", "Body", "Shape", "Joint", "Deformable", "Attachment", "Bodies", "Shapes", "Joints", "Deformables",
-        "Attachments", "Params", "Snapshot", "StepReport", "Array", "DeviceArray", "Error"}
+MADE = {"Film", "Body", "Shape", "Joint", "Deformable", "Attachment", "Bodies", "Shapes", "Joints",
+        "Deformables", "Attachments", "Params", "Snapshot", "StepReport", "Array", "DeviceArray", "Error"}
 SHOWN = ("__init__", "__getitem__", "__setitem__", "__len__")
 SECTION = re.compile(r"^(Args|Arguments|Returns|Raises|Attributes):(.*)$")
 
@@ -197,7 +198,8 @@ def arguments_page(stubs):
 
 def index(listed):
     lines = ["# Python API", "",
-             "Written from the docstrings of the package. Its guide: [Python](../../python.md).", "", "| Page | Content |", "|---|---|"]
+             "Written from the docstrings of the package. Its guide: [Python](../../python.md).", "",
+             "| Page | Content |", "|---|---|"]
     for name, title, names in listed:
         lines.append(f"| [{title}]({name}.md) | {', '.join(f'`{each}`' for each in names)} |")
     return "\n".join(lines) + "\n"

@@ -57,11 +57,11 @@ __version__: str = info()["version"]
 __all__ = [
     "Actuators", "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim",
     "ContactLoad", "DebugDraw", "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Film",
-    "Frame", "Hit", "Joint", "JointState", "Joints", "Mass", "Painter", "Params", "Quality", "Recorder", "Recording",
-    "Rod", "Run", "Scene", "SceneInfo", "Sensors", "Shape", "Shapes", "Snapshot", "StepReport", "Surface",
-    "Verdict", "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet", "compound", "cone", "cylinder",
-    "distance_field", "height_field", "hull", "info", "load", "mass_of", "mesh", "plane", "save_png",
-    "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",
+    "Frame", "Hit", "Joint", "JointState", "Joints", "Mass", "Painter", "Params", "Quality", "Recorder",
+    "Recording", "Rod", "Run", "Scene", "SceneInfo", "Sensors", "Shape", "Shapes", "Snapshot",
+    "StepReport", "Surface", "Verdict", "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet",
+    "compound", "cone", "cylinder", "distance_field", "height_field", "hull", "info", "load", "mass_of",
+    "mesh", "plane", "save_png", "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",
 ]
 for _name in __all__:  # tracebacks and help() name them as users do
     globals()[_name].__module__ = "rubble"

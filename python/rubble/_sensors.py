@@ -27,13 +27,14 @@ class Sensors(Named):
     Attributes:
         names: Of the sensors, in their order; those without a name are ``sensor_3``.
         types: What each measures, with the keywords of scene files.
-        values: (n,) or (worlds, n) numbers of all sensors, one after the other, as last measured; zeros before.
+        values: (n,) or (worlds, n) numbers of all sensors, one after the other, as last measured; zeros
+            before.
 
     Raises:
         Error: For a sensor of a body or joint that the world does not have.
 
-    Arrays are in host memory. With the backend "cuda" an update of `Worlds` copies poses and velocities of all
-    bodies from the device, and the whole state if a sensor reads joints or contacts. Rays are cast there.
+    Arrays are in host memory. With the backend "cuda" an update of `Worlds` copies poses and velocities of
+    all bodies from the device, and the whole state if a sensor reads joints or contacts. Rays are cast there.
     """
 
     def __init__(self, scene: "Scene", world: Union["World", Worlds], first: int = 0,
@@ -57,8 +58,8 @@ class Sensors(Named):
         step.
 
         Args:
-            active: Of `Worlds`: (worlds,) booleans, one for each of them; the others keep their readings. None:
-                all.
+            active: Of `Worlds`: (worlds,) booleans, one for each of them; the others keep their readings.
+                None: all.
         """
         address, count, mask = ctypes.c_void_p(), ctypes.c_int64(), None
         if active is not None:

@@ -243,7 +243,7 @@ class Worlds:
                                        given.ctypes.data, width))
 
     def values(self, key: str, worlds: Any = None) -> np.ndarray:
-        """Present values of a key of `set_values`: (n,) numbers, or (n, m) for values of m numbers, a copy."""
+        """Present values of a key of `set_values`, a copy: (n,) numbers, or (n, m) for m numbers each."""
         numbers = self._numbers(worlds)
         address, count = ctypes.c_void_p(), ctypes.c_int64()
         check(lib.rb_worlds_values(self._handle.pointer, key.encode(), numbers.ctypes.data, len(numbers),

@@ -269,8 +269,8 @@ class Film(Case):
         for folder in ("-r", "pipe:1", "50%d", "%04d:-x"):
             os.mkdir(self.path(folder))
             for name, magic in (("film.mp4", b"ftyp"), ("end.jpg", b"\xff\xd8\xff"), ("film.gif", b"GIF8")):
-                self.rubble("render", self.scene(), f"--out={folder}/{name}", "--size", "64x36", "--steps", "3",
-                            "--samples", "1", "-q", inside=self.folder.name)
+                self.rubble("render", self.scene(), f"--out={folder}/{name}", "--size", "64x36",
+                            "--steps", "3", "--samples", "1", "-q", inside=self.folder.name)
                 self.assertIn(magic, self.content(f"{folder}/{name}")[:8], folder)
                 self.assertEqual(os.listdir(self.path(folder)), [name])
                 os.remove(self.path(f"{folder}/{name}"))

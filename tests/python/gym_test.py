@@ -176,7 +176,8 @@ class Environments(Case):
         self.assertNear(masses, [0.1, 0.2, 0.1, 0.3])
         self.assertNear(env.worlds[3].gravity, (0, 0, -12.8))
         self.assertEqual(env.worlds[2].joints["rail"].definition["axes"][0]["friction"], 0.5)
-        self.assertInvalid("worlds[0].body", lambda: env.worlds.set_values("bodies.none.mass", [1], worlds=[0]))
+        self.assertInvalid("worlds[0].body",
+                           lambda: env.worlds.set_values("bodies.none.mass", [1], worlds=[0]))
 
 
 if __name__ == "__main__":

@@ -41,7 +41,8 @@ def carts():
     scene.add_body(rubble.box(1, 0.5, 0.5), name="cart", mass=1)
     scene.add_body(rubble.capsule(0.05, 1), name="pole", mass=0.1, position=(0, 0, 0.75))
     scene.add_joint("hinge", "pole", "cart", name="hip", anchor=(0, 0, 0.25), axis=(0, 1, 0))
-    scene.add("deformables", {"type": "cloth", "name": "block", "youngs_modulus": 1e6, "vertices": [[2, 0, 0], [3, 0, 0], [2, 1, 0]],
+    scene.add("deformables", {"type": "cloth", "name": "block", "youngs_modulus": 1e6,
+                              "vertices": [[2, 0, 0], [3, 0, 0], [2, 1, 0]],
                               "triangles": [[0, 1, 2]]})
     scene.add_sensor("angular_rate", body="pole", name="gyro")
     scene.add_sensor("touch", body="cart", name="touch")

@@ -149,7 +149,8 @@ class ManyWorlds(Case):
         worlds = rubble.Worlds(scene, 3, threads=1)
         mask = np.array([True, False, True])
         for key, values in (("gravity", [(0, 0, -1), (0, 1, 0)]), ('bodies["left.crate"].mass', [3, 4]),
-                            ("bodies[1].material.friction", [0.25, 0.75]), ("materials.wood.restitution", [0, 1]),
+                            ("bodies[1].material.friction", [0.25, 0.75]),
+                            ("materials.wood.restitution", [0, 1]),
                             ("deformables.rope.density", [500, 700])):
             with self.subTest(key):
                 before = worlds.values(key, [1])

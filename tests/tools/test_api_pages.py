@@ -43,7 +43,8 @@ class ApiPages(unittest.TestCase):
                 if not member.startswith("_"):
                     self.assertRegex(text, rf"`{member}`|{name}\.{member}\(")
         for needed in ("World(\n    scene: Scene,\n    *,\n    backend: str=\"cpu\"",
-                       "| `mass` | `float` | [kg], in place", "**Raises**\n\n- `Error`:", "| `distance` | `float` | [m]; of a shape cast"):
+                       "| `mass` | `float` | [kg], in place", "**Raises**\n\n- `Error`:",
+                       "| `distance` | `float` | [m]; of a shape cast"):
             self.assertIn(needed, text)
         self.assertEqual(re.findall(r"Unpack|\(self", text), [])
 

@@ -143,7 +143,7 @@ RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& 
   searchPlanes(s, world, way, found, lane, lanes);
 }
 
-/// In a scan, does a body in the box `its` come before, or after, body i in a search with `b`?
+/// In a scan, is it body i, with the bounds `b`, that finds another body of a level, and not the other way?
 RUBBLE_HD inline bool isAhead(int i, const Bounds& b, int other, int level) {
   return !isLongLevel(level) && (level > b.level || (level == b.level && other > i));
 }
