@@ -366,7 +366,7 @@ class World {
   /// Solver states of all bodies, in the order of bodies(), or of the vertices of an object.
   std::vector<SolverState> solverStates() const;
   std::vector<SolverState> solverStates(DeformableId id) const;
-  /// Events of the last step. Empty unless WorldOptions::events is set.
+  /// Events of the last step. Empty unless WorldOptions::events is set, and after a restore or a reset.
   const Events& events() const;
   /// Sleeping (Params::sleeping). Edits and applied forces wake a body and its island automatically.
   bool asleep(BodyId id) const;

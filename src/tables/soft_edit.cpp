@@ -341,7 +341,6 @@ void reserveSoft(HostTables& tables, const SoftCounts& c, int bodies) {
 
 void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   SolverData& s = tables.view();
-  reserveSoft(tables, c, s.bodies);
   s.vertices = c.vertices, s.particleCells = c.particleCells, s.attachments = c.attachments;
   s.particleCell = real(c.particleCell);
   s.edges = c.edges, s.features = c.features, s.featureCells = c.featureCells;

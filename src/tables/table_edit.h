@@ -62,5 +62,7 @@ std::vector<TableHash> hashTables(const HostTables& tables,
                                   std::uint64_t (*hash)(std::span<const std::byte>));
 /// With std::bad_alloc nothing is changed.
 void loadTables(HostTables& tables, std::span<const std::byte> data);
+/// The same for what these tables held before: they have the room, so it needs no memory.
+void reloadTables(HostTables& tables, std::span<const std::byte> data);
 
 }  // namespace rubble::RUBBLE_CORE

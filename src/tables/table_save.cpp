@@ -249,7 +249,12 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   SavedCounts counts;
   std::memcpy(&counts, data.data(), sizeof counts);
   reserve(tables, counts);
-  // from here on there is memory for everything
+  reloadTables(tables, data);
+}
+
+void reloadTables(HostTables& tables, std::span<const std::byte> data) {
+  SavedCounts counts;
+  std::memcpy(&counts, data.data(), sizeof counts);
   setBodyCount(tables, counts.bodies);
   for (int t = 0; t < JointTypes::kSize; ++t) setJointCount(tables, t, counts.joints[t]);
   setSoftCounts(tables, counts.soft);

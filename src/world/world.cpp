@@ -292,7 +292,7 @@ void World::Impl::restoreEngine(const EngineSnapshot& snapshot, const Registry& 
 
 void World::Impl::restoreRecords(Registry&& from, const Params& own) {
   registry = std::move(from);
-  broken.clear();
+  broken.clear(), events = {};
   setActuatorValues(registry.actuators, registry.actuatorDefinitions);
   registry.actuators.clear(), registry.actuatorDefinitions.clear();
   jointRowsChanged = true;

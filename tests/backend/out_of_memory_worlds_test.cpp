@@ -210,6 +210,16 @@ TEST(WorldsOutOfMemory, KeepTheirStateInAResetToTheirOwn) {
       });
 }
 
+TEST(WorldsOutOfMemory, KeepTheirStateInAResetToOtherElements) {
+  expectRestorable(
+      "reset",
+      [](Worlds& worlds, const Snapshot& snapshot) {
+        const std::array some{4, 0, 32};
+        worlds.reset(some, {&snapshot, 1});
+      },
+      otherSnapshot);
+}
+
 TEST(WorldsOutOfMemory, KeepTheirStateInAResetToFewerElements) {
   expectRestorable(
       "reset",

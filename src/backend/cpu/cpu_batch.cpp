@@ -59,14 +59,13 @@ std::function<void()> CpuEngine::backup() {
     std::vector<ExcludedPair> excluded;  // saved states have no worlds of them
     std::vector<WorldSettings> worlds;
     std::vector<WorldPart> parts;
-    int bodies, softNodes;
+    int bodies;
   };
   auto kept = std::make_shared<Backup>(Backup{saveTables(tables()), copyOf(s.worldOfBody, s.bodies),
-                                              excludedPairs(s), worlds_, parts_, s.bodies, s.softNodes});
+                                              excludedPairs(s), worlds_, parts_, s.bodies});
   return [this, kept] {
-    // tables have room for the sizes that they had, and perhaps not for others beside them
-    tables().view().bodies = kept->bodies, tables().view().softNodes = kept->softNodes;
-    loadTables(tables(), kept->state);
+    tables().view().bodies = kept->bodies;  // also where the attempt has made them fewer
+    reloadTables(tables(), kept->state);
     std::ranges::copy(kept->worldOfBody, &tables().view().worldOfBody[0]);
     clearExclusions(tables(), static_cast<int>(kept->excluded.size()));
     for (const ExcludedPair& pair : kept->excluded)
