@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
@@ -39,14 +39,15 @@ class Sensors(Named):
 
     def __init__(self, scene: "Scene", world: Union["World", Worlds], first: int = 0,
                  count: int = -1) -> None:
-        self._worlds = world if isinstance(world, Worlds) else None
-        if self._worlds is None:
+        self._worlds: Optional[Worlds] = None
+        if isinstance(world, Worlds):
+            self._worlds = world
+            self._handle = Handle(lib.rb_sensors_create_in, lib.rb_sensors_destroy, scene._pointer,
+                                  world._handle.pointer, first, count)
+            count = len(world) - first if count < 0 else count
+        else:
             self._handle = Handle(lib.rb_sensors_create, lib.rb_sensors_destroy, scene._pointer,
                                   world._pointer)
-        else:
-            self._handle = Handle(lib.rb_sensors_create_in, lib.rb_sensors_destroy, scene._pointer,
-                                  self._worlds._handle.pointer, first, count)
-            count = len(self._worlds) - first if count < 0 else count
         definitions = json_of(lib.rb_sensors_list, self._handle.pointer)
         self.names: list[str] = [d["name"] or f"sensor_{i}" for i, d in enumerate(definitions)]
         self.types: list[str] = [d["type"] for d in definitions]

@@ -100,7 +100,7 @@ struct Bounds {
 /// (stages/pairs/lasting_search.h). All 0: there was none.
 struct NeighborSearch {
   Vec3 center;             ///< of its bounds, or the position of a plane [m]
-  int layer;               ///< of its grid entry; negative: it was in none
+  int layer;               ///< of its grid entry; negative: it had none
   Vec3 half;               ///< of its bounds with the slack of the search [m], or the normal of a plane
   int bodies;              ///< SolverData::bodies
   int found;               ///< neighbors that it owns; more than kPairSlots: they are searched in each step

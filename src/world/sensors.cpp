@@ -222,11 +222,7 @@ Sensors::Sensors(std::vector<SensorDef> sensors, const World& world)
 
 Sensors::Sensors(std::vector<SensorDef> sensors, const Worlds& worlds, int first, int count)
     : impl_(std::make_unique<Impl>(std::move(sensors))) {
-  const int all = worlds.count();
-  if (first < 0 || first > all) throw Error("first", "0 to " + std::to_string(all), std::to_string(first));
-  if (count == -1) count = all - first;
-  if (count < 0 || count > all - first)
-    throw Error("count", "0 to " + std::to_string(all - first) + " worlds", std::to_string(count));
+  count = worldsFrom(first, count, worlds.count());
   impl_->ofBatch = true, impl_->first = first;
   for (int k = 0; k < count; ++k) impl_->add(worlds[first + k]);
 }

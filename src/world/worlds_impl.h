@@ -17,6 +17,15 @@ inline int worldsPerEngine(const std::string& backend) {
   return runsOnDevice(backend) ? std::numeric_limits<int>::max() : kOnCpu;
 }
 
+/// The number of worlds from `first` on that `count` asks for; -1: all of them. Throws Error beyond the last.
+inline int worldsFrom(int first, int count, int all) {
+  if (first < 0 || first > all) throw Error("first", "0 to " + std::to_string(all), std::to_string(first));
+  if (count == -1) return all - first;
+  if (count < 0 || count > all - first)
+    throw Error("count", "0 to " + std::to_string(all - first) + " worlds", std::to_string(count));
+  return count;
+}
+
 struct Worlds::Impl {
   explicit Impl(const WorldOptions& given)
       : options(given), perBatch(worldsPerEngine(given.backend)), threads(given.threads, given.tasks) {

@@ -6,8 +6,11 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// How far beyond its box a body of a level is searched for [m].
-RUBBLE_HD inline Real searchSlack(int level) { return Real(.0625) * cellSize(level); }
+/// How far beyond its box a body is searched for, in cells of its level [1]: far more than bodies at rest
+/// move in a thousand steps, and so little that few boxes come near that do not touch.
+inline constexpr Real kSearchSlack = Real(1) / 16;
+/// The same for a level [m].
+RUBBLE_HD inline Real searchSlack(int level) { return kSearchSlack * cellSize(level); }
 /// Share of the slack that a box must keep to the one of its search: far more than round-off [1].
 inline constexpr Real kSlackKept = Real(.25);
 
@@ -19,9 +22,11 @@ RUBBLE_HD inline Bounds searchBox(const Bounds& b, int level) {
   return box;
 }
 
-/// What a search for the neighbors of body or plane i depends on. Others are in no search.
+/// NeighborSearch::layer of what is in no search, and of planes of world 0; those of world w have kPlanes -
+/// w.
+inline constexpr int kOutside = -1, kPlanes = -2;
+/// What a search for the neighbors of body or plane i depends on.
 RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i) {
-  constexpr int kOutside = -1, kPlanes = -2;
   const Bounds& b = s.bounds[i];
   if (b.level >= 0) {
     const Real slack = searchSlack(b.level);
@@ -38,7 +43,7 @@ RUBBLE_HD inline bool searchHolds(const SolverData& s, int i) {
   const NeighborSearch now = searchOf(s, i), &then = s.neighborSearch[i];
   const bool inGrid = s.bounds[i].level >= 0;
   // a body that has left the grid has no pairs
-  if (!inGrid && now.layer == -1) return true;
+  if (now.layer == kOutside) return true;
   if (now.bodies != then.bodies || now.layer != then.layer) return false;
   if (!inGrid) {
     const Vec3 moved = abs(now.center - then.center) + abs(now.half - then.half);
