@@ -128,6 +128,13 @@ RayQuery queryOf(const rb_ray& ray) {
   return {vec(ray.origin), vec(ray.direction), ray.max_distance, filterOf(ray.filter)};
 }
 
+RayArrays raysOf(const rb_ray_arrays& rays) {
+  return {fromC(rays.origins), fromC(rays.directions), rays.max_distance, filterOf(rays.filter)};
+}
+rb_ray_hit_arrays toC(const RayHitArrays& hits) {
+  return {toC(hits.distances), toC(hits.bodies), toC(hits.normals)};
+}
+
 rb_mass toC(const MassProperties& mass) {
   rb_mass out{};
   out.mass = mass.mass;

@@ -100,6 +100,8 @@ VertexArray vertexArrayOf(std::int32_t which);
 
 QueryFilter filterOf(const rb_query_filter& filter);
 RayQuery queryOf(const rb_ray& ray);
+RayArrays raysOf(const rb_ray_arrays& rays);
+rb_ray_hit_arrays toC(const RayHitArrays& hits);
 /// A RayHit, CastHit, OverlapHit or ClosestHit.
 template <class Hit> rb_hit toC(const Hit& hit) {
   rb_hit out{};

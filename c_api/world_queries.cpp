@@ -44,6 +44,10 @@ rb_status rb_world_cast_rays(rb_world* world, const rb_ray* rays, int64_t count,
   });
 }
 
+rb_status rb_world_cast_ray_arrays(rb_world* world, const rb_ray_arrays* rays, rb_ray_hit_arrays* hits) {
+  return guarded([&] { need(hits, "hits") = toC(worldOf(world).castRayArrays(raysOf(need(rays, "rays")))); });
+}
+
 rb_status rb_world_cast_shapes(rb_world* world, const rb_cast* casts, int64_t count, rb_hit* hits) {
   return guarded([&] {
     const auto queries = mapped(casts, count, castOf);

@@ -165,6 +165,14 @@ rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const r
   });
 }
 
+rb_status rb_worlds_cast_ray_arrays(rb_worlds* worlds, const rb_array* numbers, const rb_ray_arrays* rays,
+                                    rb_ray_hit_arrays* hits) {
+  return guarded([&] {
+    const ArrayView of = numbers ? fromC(*numbers) : ArrayView{};
+    need(hits, "hits") = toC(worldsOf(worlds).castRayArrays(raysOf(need(rays, "rays")), of));
+  });
+}
+
 rb_status rb_worlds_set_values(rb_worlds* worlds, const char* key, const int32_t* numbers, int64_t count,
                                const double* values, int32_t width) {
   return guarded([&] {

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <mutex>
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
@@ -31,7 +33,50 @@ EGLAttrib cudaIndex(EGLDeviceEXT device) {
   return std::numeric_limits<EGLAttrib>::max();
 }
 
+/// Counts the contexts of each display. All contexts of a device have one display: its end would end them.
+class DisplayUses {
+ public:
+  bool begin(EGLDisplay display) {
+    const std::scoped_lock lock(mutex_);
+    if (!eglInitialize(display, nullptr, nullptr)) return false;
+    ++uses_[display];
+    return true;
+  }
+  void end(EGLDisplay display) {
+    const std::scoped_lock lock(mutex_);
+    if (--uses_[display] == 0) eglTerminate(display);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<EGLDisplay, int> uses_;
+};
+
+DisplayUses& displayUses() {
+  static DisplayUses uses;
+  return uses;
+}
+
 }  // namespace
+
+struct KeptContext::Impl {
+  EGLContext context = eglGetCurrentContext();
+  EGLDisplay display = eglGetCurrentDisplay();
+  EGLSurface draw = eglGetCurrentSurface(EGL_DRAW), read = eglGetCurrentSurface(EGL_READ);
+};
+
+KeptContext::KeptContext() {
+  eglBindAPI(EGL_OPENGL_API);
+  impl_ = std::make_unique<Impl>();
+}
+
+KeptContext::~KeptContext() {
+  if (eglGetCurrentContext() == impl_->context) return;
+  if (impl_->context == EGL_NO_CONTEXT)
+    eglMakeCurrent(eglGetCurrentDisplay(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  else
+    eglMakeCurrent(impl_->display, impl_->draw, impl_->read, impl_->context);
+}
 
 struct HeadlessContext::Impl {
   EGLDisplay display = EGL_NO_DISPLAY;
@@ -41,9 +86,9 @@ struct HeadlessContext::Impl {
 
   /// Tries to make a context of this display current; leaves everything as it was if that fails.
   bool start(EGLDisplay candidate) {
-    if (candidate == EGL_NO_DISPLAY || !eglInitialize(candidate, nullptr, nullptr)) return false;
+    if (candidate == EGL_NO_DISPLAY || !displayUses().begin(candidate)) return false;
     if (makeCurrent(candidate)) return true;
-    eglTerminate(candidate);
+    displayUses().end(candidate);
     return false;
   }
 
@@ -109,9 +154,17 @@ HeadlessContext::HeadlessContext() : impl_(std::make_unique<Impl>()) {
 }
 
 HeadlessContext::~HeadlessContext() {
-  eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  if (eglGetCurrentContext() == impl_->context)
+    eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(impl_->display, impl_->context);
-  eglTerminate(impl_->display);
+  displayUses().end(impl_->display);
+}
+
+void HeadlessContext::makeCurrent() const {
+  eglBindAPI(EGL_OPENGL_API);
+  if (eglGetCurrentContext() == impl_->context) return;
+  if (!eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, impl_->context))
+    throw Error("OpenGL", "a context that no other thread draws with", "one that is current elsewhere");
 }
 
 const std::string& HeadlessContext::renderer() const { return impl_->renderer; }

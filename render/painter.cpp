@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <rubble/error.h>
 
@@ -23,44 +24,77 @@ Vec3 sunAt(const std::array<double, 2>& angles, const Vec3& up, const Camera& ca
   return level * std::cos(angles[1]) + up * std::sin(angles[1]);
 }
 
+/// Makes a context current as long as it lives.
+class Drawing {
+ public:
+  explicit Drawing(const HeadlessContext& context) { context.makeCurrent(); }
+
+ private:
+  KeptContext before_;
+};
+
 class GlPainter final : public Painter {
  public:
-  GlPainter(std::span<const io::PictureBody> atStart, const Vec3& gravity, const Camera& camera,
-            const PaintSettings& settings)
-      : settings_(settings),
-        stage_(atStart, gravity, camera, settings.width, settings.height, settings.appearance) {
+  GlPainter(std::shared_ptr<const HeadlessContext> context, std::span<const io::PictureBody> atStart,
+            const Vec3& gravity, const Camera& camera, const PaintSettings& settings)
+      : context_(std::move(context)), settings_(settings) {
+    const Drawing drawing(*context_);
+    stage_ = std::make_unique<Stage>(atStart, gravity, camera, settings.width, settings.height,
+                                     settings.appearance);
     quality_.samples = settings.transparent ? std::max(2, settings.samples) : settings.samples;
-    stage_.setting().background = settings.background;
-    stage_.setting().transparent = settings.transparent;
-    if (settings.sun) stage_.setting().toSun = sunAt(*settings.sun, stage_.setting().up, camera);
+    stage_->setting().background = settings.background;
+    stage_->setting().transparent = settings.transparent;
+    if (settings.sun) stage_->setting().toSun = sunAt(*settings.sun, stage_->setting().up, camera);
   }
+  ~GlPainter() override {
+    try {
+      const Drawing drawing(*context_);
+      stage_.reset();
+    } catch (const Error&) {
+      static_cast<void>(stage_.release());  // its buffers end with the context
+    }
+  }
+  GlPainter(const GlPainter&) = delete;
+  GlPainter& operator=(const GlPainter&) = delete;
 
   io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera,
                   std::span<const Line> lines) override {
-    stage_.renderer().setLines(lines);
-    stage_.setBodies(bodies, settings_.colorBy, settings_.fullValue);
-    return stage_.picture(camera, quality_);
+    const Drawing drawing(*context_);
+    stage_->renderer().setLines(lines);
+    stage_->setBodies(bodies, settings_.colorBy, settings_.fullValue);
+    return stage_->picture(camera, quality_);
   }
-  std::vector<float> depths() const override { return stage_.renderer().readDepths(); }
-  std::vector<float> normals() const override { return stage_.renderer().readNormals(); }
+  std::vector<float> depths() const override {
+    const Drawing drawing(*context_);
+    return stage_->renderer().readDepths();
+  }
+  std::vector<float> normals() const override {
+    const Drawing drawing(*context_);
+    return stage_->renderer().readNormals();
+  }
 
  private:
+  std::shared_ptr<const HeadlessContext> context_;
   PaintSettings settings_;
-  Stage stage_;
+  std::unique_ptr<Stage> stage_;
   Quality quality_;
 };
 
 class GlDevice final : public PaintDevice {
  public:
+  GlDevice() {
+    const KeptContext before;
+    context_ = std::make_shared<HeadlessContext>();
+  }
   std::unique_ptr<Painter> painter(std::span<const io::PictureBody> atStart, const Vec3& gravity,
                                    const Camera& camera, const PaintSettings& settings) override {
-    return std::make_unique<GlPainter>(atStart, gravity, camera, settings);
+    return std::make_unique<GlPainter>(context_, atStart, gravity, camera, settings);
   }
-  std::string name() const override { return "OpenGL on " + context_.renderer(); }
-  bool isSoftware() const override { return context_.isSoftware(); }
+  std::string name() const override { return "OpenGL on " + context_->renderer(); }
+  bool isSoftware() const override { return context_->isSoftware(); }
 
  private:
-  HeadlessContext context_;
+  std::shared_ptr<const HeadlessContext> context_;
 };
 
 }  // namespace

@@ -29,7 +29,9 @@ struct PaintSettings {
   Appearance appearance = {};  ///< of the scene
 };
 
-/// Draws the pictures of one run. Colors and light are chosen from the scene as it begins.
+/// Draws the pictures of one run. Colors and light are chosen from the scene as it begins. There may be
+/// several at once, each used by one thread at a time. A call leaves the OpenGL context of its thread as it
+/// was.
 class Painter {
  public:
   virtual ~Painter() = default;
@@ -41,7 +43,7 @@ class Painter {
   virtual std::vector<float> normals() const = 0;
 };
 
-/// What draws. Painters must not outlive it.
+/// What draws. Painters may outlive it. It draws for one thread at a time.
 class PaintDevice {
  public:
   virtual ~PaintDevice() = default;

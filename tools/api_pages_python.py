@@ -15,7 +15,7 @@ PAGES = {
     "deformables": ("Deformable objects", [
         "Deformables", "Deformable", "Surface", "Attachments", "Attachment", "tet_box", "tet_ball",
         "tet_solid", "cloth_sheet", "straight_cable", "cable_along"]),
-    "results": ("Hits, events and measures", ["Hit", "Events", "DebugDraw", "Quality"]),
+    "results": ("Hits, events and measures", ["Hit", "Events", "DebugDraw", "Quality", "RayHits"]),
     "sensors": ("Sensors and actuators", ["Sensors", "Actuators"]),
     "pictures": ("Pictures and recordings", [
         "Painter", "Film", "save_png", "Recorder", "Recording", "Frame"]),

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <rubble/arrays.h>
 #include <rubble/ids.h>
 #include <rubble/scene.h>
 
@@ -45,6 +46,25 @@ struct RayHit {
   std::uint64_t userData = 0;       ///< BodyDef::userData, DeformableDef::userData
   std::uint64_t shapeUserData = 0;  ///< Shape::userData of the body, or of the part of a compound
   DeformableId object = {};         ///< DeformableId{}: a body
+};
+
+/// Rays as arrays, all in host memory or all in that of the device of the world.
+struct RayArrays {
+  ArrayView origins;         ///< [m]: (n, 3), "<f4" or "<f8"
+  ArrayView directions;      ///< any non-zero length: the same
+  double maxDistance = 1e6;  ///< [m]
+  /// Of all rays. Deformable objects are not tested. In many worlds the body to skip is that of the same
+  /// index in each.
+  QueryFilter filter = {};
+};
+/// First hits of these rays as RayHit, in the memory that the rays are in. Valid until the next call for rays
+/// that are arrays.
+struct RayHitArrays {
+  /// [m]: (n, 1), "<f4". RayArrays::maxDistance without a hit. On a device NaN for a ray that is not finite,
+  /// has no direction, or names no world; the host throws Error for these.
+  ArrayView distances;
+  ArrayView bodies;   ///< BodyId::index: (n, 1), "<i4"; -1: no hit
+  ArrayView normals;  ///< outward from the body: (n, 3), "<f4"; zeros: no hit
 };
 
 /// Sweep of a convex shape or compound along a line, without rotation.

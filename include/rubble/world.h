@@ -381,6 +381,9 @@ class World {
   std::vector<RayHit> castRays(std::span<const RayQuery> rays);
   /// The same without an allocation. `hits`: as many as rays.
   void castRays(std::span<const RayQuery> rays, std::span<RayHit> hits);
+  /// First hits of rays that are arrays. On a device nothing comes to the host, and nothing waits for it:
+  /// rays are read and hits are written in the order of the streams, as by scatter().
+  RayHitArrays castRayArrays(const RayArrays& rays);
   std::vector<CastHit> castShapes(std::span<const CastQuery> casts);
   std::vector<std::vector<BodyId>> overlaps(
       std::span<const OverlapQuery> shapes);  ///< bodies of each query, by slot

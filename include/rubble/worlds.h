@@ -117,6 +117,9 @@ class Worlds {
   };
   /// World::castRays() for rays in many worlds. Hits name bodies of the world of the ray.
   std::vector<RayHit> castRays(std::span<const WorldRay> rays);
+  /// World::castRayArrays() in many worlds. `worlds`: the world of each ray, (n, 1), "<i4", in the same
+  /// memory. Without rows each world has as many rays, world after world.
+  RayHitArrays castRayArrays(const RayArrays& rays, const ArrayView& worlds = {});
 
   std::size_t memoryBytes() const;
 

@@ -23,7 +23,7 @@ from ._film import Film
 from ._joints import AxisState, Joint, Joints, JointState
 from ._library import Error, json_of, lib
 from ._picture import Painter, save_png
-from ._queries import DebugDraw, Events, Hit, Quality
+from ._queries import DebugDraw, Events, Hit, Quality, RayHits
 from ._recording import Frame, Recorder, Recording
 from ._registry import Argument, Claim, Run, SceneInfo, Verdict, scenes
 from ._scene import Rod, Scene
@@ -57,8 +57,8 @@ __version__: str = info()["version"]
 __all__ = [
     "Actuators", "Argument", "Array", "Attachment", "Attachments", "AxisState", "Bodies", "Body", "Claim",
     "ContactLoad", "DebugDraw", "Deformable", "Deformables", "DeviceArray", "Error", "Events", "Film",
-    "Frame", "Hit", "Joint", "JointState", "Joints", "Mass", "Painter", "Params", "Quality", "Recorder",
-    "Recording", "Rod", "Run", "Scene", "SceneInfo", "Sensors", "Shape", "Shapes", "Snapshot",
+    "Frame", "Hit", "Joint", "JointState", "Joints", "Mass", "Painter", "Params", "Quality", "RayHits",
+    "Recorder", "Recording", "Rod", "Run", "Scene", "SceneInfo", "Sensors", "Shape", "Shapes", "Snapshot",
     "StepReport", "Surface", "Verdict", "World", "Worlds", "box", "cable_along", "capsule", "cloth_sheet",
     "compound", "cone", "cylinder", "distance_field", "height_field", "hull", "info", "load", "mass_of",
     "mesh", "plane", "save_png", "scenes", "sphere", "straight_cable", "tet_ball", "tet_box", "tet_solid",

@@ -34,10 +34,8 @@ VERTEX_VELOCITY = 1
 
 
 class Error(Structure):
-    _fields_ = [
-        ("status", c_int32), ("message", c_char_p), ("path", c_char_p), ("expected", c_char_p),
-        ("found", c_char_p),
-    ]
+    _fields_ = [("status", c_int32), ("message", c_char_p), ("path", c_char_p), ("expected", c_char_p),
+                ("found", c_char_p)]
 
 
 class BodyId(Structure):
@@ -61,10 +59,8 @@ class AttachmentId(Structure):
 
 
 class Array(Structure):
-    _fields_ = [
-        ("data", c_void_p), ("shape", c_int64 * 2), ("strides", c_int64 * 2), ("typestr", c_char_p),
-        ("device", c_int32), ("stream", c_uint64), ("epoch", c_int64),
-    ]
+    _fields_ = [("data", c_void_p), ("shape", c_int64 * 2), ("strides", c_int64 * 2), ("typestr", c_char_p),
+                ("device", c_int32), ("stream", c_uint64), ("epoch", c_int64)]
 
 
 class PoseFrame(Structure):
@@ -72,79 +68,62 @@ class PoseFrame(Structure):
 
 
 class BodyState(Structure):
-    _fields_ = [
-        ("position", c_double * 3), ("orientation", c_double * 4), ("velocity", c_double * 3),
-        ("angular_velocity", c_double * 3),
-    ]
+    _fields_ = [("position", c_double * 3), ("orientation", c_double * 4), ("velocity", c_double * 3),
+                ("angular_velocity", c_double * 3)]
 
 
 class Mass(Structure):
-    _fields_ = [
-        ("mass", c_double), ("inertia", c_double * 3), ("center", c_double * 3), ("axes", c_double * 4),
-    ]
+    _fields_ = [("mass", c_double), ("inertia", c_double * 3), ("center", c_double * 3),
+                ("axes", c_double * 4)]
 
 
 class ContactLoad(Structure):
-    _fields_ = [
-        ("force", c_double * 3), ("torque", c_double * 3), ("residual", c_double), ("points", c_int32),
-    ]
+    _fields_ = [("force", c_double * 3), ("torque", c_double * 3), ("residual", c_double),
+                ("points", c_int32)]
 
 
 class AxisState(Structure):
-    _fields_ = [
-        ("position", c_double), ("speed", c_double), ("limit_force", c_double), ("drive_force", c_double),
-        ("friction_force", c_double), ("motor_force", c_double),
-    ]
+    _fields_ = [("position", c_double), ("speed", c_double), ("limit_force", c_double),
+                ("drive_force", c_double), ("friction_force", c_double), ("motor_force", c_double)]
 
 
 class JointState(Structure):
-    _fields_ = [
-        ("gap", c_double), ("angle", c_double), ("force", c_double * 3), ("torque", c_double * 3),
-        ("axis_count", c_int32), ("broken", c_int32), ("axes", AxisState * 6),
-    ]
+    _fields_ = [("gap", c_double), ("angle", c_double), ("force", c_double * 3), ("torque", c_double * 3),
+                ("axis_count", c_int32), ("broken", c_int32), ("axes", AxisState * 6)]
 
 
 class AttachmentEnds(Structure):
-    _fields_ = [
-        ("object", DeformableId), ("other_object", DeformableId), ("body", BodyId), ("anchor", c_double * 3),
-    ]
+    _fields_ = [("object", DeformableId), ("other_object", DeformableId), ("body", BodyId),
+                ("anchor", c_double * 3)]
 
 
 class Surface(Structure):
-    _fields_ = [
-        ("vertices", c_void_p), ("vertex_count", c_int64), ("triangles", c_void_p),
-        ("triangle_count", c_int64), ("segments", c_void_p), ("segment_count", c_int64),
-        ("radius", c_double), ("spheres", c_int32),
-    ]
+    _fields_ = [("vertices", c_void_p), ("vertex_count", c_int64), ("triangles", c_void_p),
+                ("triangle_count", c_int64), ("segments", c_void_p), ("segment_count", c_int64),
+                ("radius", c_double), ("spheres", c_int32)]
 
 
 class ContactPoint(Structure):
-    _fields_ = [
-        ("a", BodyId), ("b", BodyId), ("position", c_double * 3), ("normal", c_double * 3),
-        ("depth", c_double), ("force", c_double * 3), ("part_a", c_int32), ("part_b", c_int32),
-    ]
+    _fields_ = [("a", BodyId), ("b", BodyId), ("position", c_double * 3), ("normal", c_double * 3),
+                ("depth", c_double), ("force", c_double * 3), ("part_a", c_int32), ("part_b", c_int32)]
 
 
 class VertexContact(Structure):
-    _fields_ = [
-        ("object", DeformableId), ("vertex", c_int32), ("body", BodyId), ("other_object", DeformableId),
-        ("other_vertex", c_int32), ("normal", c_double * 3), ("depth", c_double), ("force", c_double * 3),
-    ]
+    _fields_ = [("object", DeformableId), ("vertex", c_int32), ("body", BodyId),
+                ("other_object", DeformableId), ("other_vertex", c_int32), ("normal", c_double * 3),
+                ("depth", c_double), ("force", c_double * 3)]
 
 
 class ContactEvent(Structure):
-    _fields_ = [
-        ("phase", c_int32), ("a", BodyId), ("b", BodyId), ("user_data_a", c_uint64),
-        ("user_data_b", c_uint64), ("shape_user_data_a", c_uint64), ("shape_user_data_b", c_uint64),
-        ("sensor", c_int32), ("impulse", c_double * 3), ("first_point", c_int64), ("point_count", c_int64),
-    ]
+    _fields_ = [("phase", c_int32), ("a", BodyId), ("b", BodyId), ("user_data_a", c_uint64),
+                ("user_data_b", c_uint64), ("shape_user_data_a", c_uint64), ("shape_user_data_b", c_uint64),
+                ("sensor", c_int32), ("impulse", c_double * 3), ("first_point", c_int64),
+                ("point_count", c_int64)]
 
 
 class JointEvent(Structure):
-    _fields_ = [
-        ("joint", JointId), ("user_data", c_uint64), ("a", BodyId), ("b", BodyId), ("force", c_double * 3),
-        ("torque", c_double * 3),
-    ]
+    _fields_ = [("joint", JointId), ("user_data", c_uint64), ("a", BodyId), ("b", BodyId),
+                ("force", c_double * 3), ("torque", c_double * 3)]
 
 
 class SleepEvent(Structure):
@@ -152,20 +131,18 @@ class SleepEvent(Structure):
 
 
 class Events(Structure):
-    _fields_ = [
-        ("contacts", c_void_p), ("contact_count", c_int64), ("points", c_void_p), ("point_count", c_int64),
-        ("joints", c_void_p), ("joint_count", c_int64), ("sleeps", c_void_p), ("sleep_count", c_int64),
-    ]
+    _fields_ = [("contacts", c_void_p), ("contact_count", c_int64), ("points", c_void_p),
+                ("point_count", c_int64), ("joints", c_void_p), ("joint_count", c_int64),
+                ("sleeps", c_void_p), ("sleep_count", c_int64)]
 
 
 class StepReport(Structure):
-    _fields_ = [
-        ("step", c_int64), ("bodies", c_int32), ("pairs", c_int32), ("manifolds", c_int32),
-        ("contacts", c_int32), ("vertices", c_int32), ("vertex_contacts", c_int32), ("colors", c_int32),
-        ("clashes", c_int32), ("broken_joints", c_int32), ("sleeping_bodies", c_int32),
-        ("stopped_bodies", c_int32), ("quarantined", c_int32), ("failed_solves", c_int32),
-        ("restarts", c_int32), ("sorted", c_int32), ("unfinished_motion", c_double), ("total_ms", c_double),
-    ]
+    _fields_ = [("step", c_int64), ("bodies", c_int32), ("pairs", c_int32), ("manifolds", c_int32),
+                ("contacts", c_int32), ("vertices", c_int32), ("vertex_contacts", c_int32),
+                ("colors", c_int32), ("clashes", c_int32), ("broken_joints", c_int32),
+                ("sleeping_bodies", c_int32), ("stopped_bodies", c_int32), ("quarantined", c_int32),
+                ("failed_solves", c_int32), ("restarts", c_int32), ("sorted", c_int32),
+                ("unfinished_motion", c_double), ("total_ms", c_double)]
 
 
 class Distribution(Structure):
@@ -173,10 +150,8 @@ class Distribution(Structure):
 
 
 class Quality(Structure):
-    _fields_ = [
-        ("penetration", Distribution), ("joint_gap_mean", c_double), ("joint_gap_max", c_double),
-        ("kinetic_energy", c_double), ("potential_energy", c_double), ("max_speed", c_double),
-    ]
+    _fields_ = [("penetration", Distribution), ("joint_gap_mean", c_double), ("joint_gap_max", c_double),
+                ("kinetic_energy", c_double), ("potential_energy", c_double), ("max_speed", c_double)]
 
 
 class SolverState(Structure):
@@ -184,31 +159,32 @@ class SolverState(Structure):
 
 
 class QueryFilter(Structure):
-    _fields_ = [
-        ("layers", c_uint32), ("mask", c_uint32), ("sensors", c_int32), ("ignore", BodyId),
-        ("deformables", c_int32), ("ignore_object", DeformableId),
-    ]
+    _fields_ = [("layers", c_uint32), ("mask", c_uint32), ("sensors", c_int32), ("ignore", BodyId),
+                ("deformables", c_int32), ("ignore_object", DeformableId)]
 
 
 class Ray(Structure):
-    _fields_ = [
-        ("origin", c_double * 3), ("direction", c_double * 3), ("max_distance", c_double),
-        ("filter", QueryFilter),
-    ]
+    _fields_ = [("origin", c_double * 3), ("direction", c_double * 3), ("max_distance", c_double),
+                ("filter", QueryFilter)]
+
+
+class RayArrays(Structure):
+    _fields_ = [("origins", Array), ("directions", Array), ("max_distance", c_double),
+                ("filter", QueryFilter)]
+
+
+class RayHitArrays(Structure):
+    _fields_ = [("distances", Array), ("bodies", Array), ("normals", Array)]
 
 
 class Cast(Structure):
-    _fields_ = [
-        ("shape", c_void_p), ("position", c_double * 3), ("orientation", c_double * 4),
-        ("displacement", c_double * 3), ("filter", QueryFilter),
-    ]
+    _fields_ = [("shape", c_void_p), ("position", c_double * 3), ("orientation", c_double * 4),
+                ("displacement", c_double * 3), ("filter", QueryFilter)]
 
 
 class Overlap(Structure):
-    _fields_ = [
-        ("shape", c_void_p), ("position", c_double * 3), ("orientation", c_double * 4),
-        ("filter", QueryFilter),
-    ]
+    _fields_ = [("shape", c_void_p), ("position", c_double * 3), ("orientation", c_double * 4),
+                ("filter", QueryFilter)]
 
 
 class Closest(Structure):
@@ -216,11 +192,9 @@ class Closest(Structure):
 
 
 class Hit(Structure):
-    _fields_ = [
-        ("hit", c_int32), ("body", BodyId), ("object", DeformableId), ("part", c_int32),
-        ("triangle", c_int32), ("distance", c_double), ("position", c_double * 3), ("normal", c_double * 3),
-        ("user_data", c_uint64), ("shape_user_data", c_uint64),
-    ]
+    _fields_ = [("hit", c_int32), ("body", BodyId), ("object", DeformableId), ("part", c_int32),
+                ("triangle", c_int32), ("distance", c_double), ("position", c_double * 3),
+                ("normal", c_double * 3), ("user_data", c_uint64), ("shape_user_data", c_uint64)]
 
 
 class DebugLine(Structure):
@@ -236,10 +210,8 @@ class DebugText(Structure):
 
 
 class DebugDraw(Structure):
-    _fields_ = [
-        ("lines", c_void_p), ("line_count", c_int64), ("triangles", c_void_p), ("triangle_count", c_int64),
-        ("texts", c_void_p), ("text_count", c_int64),
-    ]
+    _fields_ = [("lines", c_void_p), ("line_count", c_int64), ("triangles", c_void_p),
+                ("triangle_count", c_int64), ("texts", c_void_p), ("text_count", c_int64)]
 
 
 class Pose(Structure):
@@ -247,10 +219,8 @@ class Pose(Structure):
 
 
 class Frame(Structure):
-    _fields_ = [
-        ("step", c_int64), ("time", c_double), ("poses", c_void_p), ("pose_count", c_int64),
-        ("vertices", c_void_p), ("vertex_count", c_int64),
-    ]
+    _fields_ = [("step", c_int64), ("time", c_double), ("poses", c_void_p), ("pose_count", c_int64),
+                ("vertices", c_void_p), ("vertex_count", c_int64)]
 
 
 class Camera(Structure):
@@ -424,6 +394,7 @@ FUNCTIONS = {
     "rb_world_wake": (c_int, [c_void_p, BodyId]),
     "rb_world_cast_rays": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
     "rb_world_cast_shapes": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
+    "rb_world_cast_ray_arrays": (c_int, [c_void_p, c_void_p, c_void_p]),
     "rb_world_overlaps": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
     "rb_world_closest_points": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
     "rb_world_cast_rays_all": (c_int, [c_void_p, c_void_p, c_int64, c_void_p, c_void_p]),
@@ -471,6 +442,7 @@ FUNCTIONS = {
     "rb_worlds_scatter_joints": (c_int, [c_void_p, c_int32, c_void_p, c_void_p]),
     "rb_worlds_contact_forces": (c_int, [c_void_p, c_void_p, c_int64, c_void_p]),
     "rb_worlds_cast_rays": (c_int, [c_void_p, c_void_p, c_void_p, c_int64, c_void_p]),
+    "rb_worlds_cast_ray_arrays": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "rb_actuators_create_in": (c_int, [c_void_p, c_void_p, c_int32, c_int32, c_void_p]),
     "rb_actuators_apply_in": (c_int, [c_void_p, c_void_p]),
     "rb_sensors_create_in": (c_int, [c_void_p, c_void_p, c_int32, c_int32, c_void_p]),

@@ -134,9 +134,34 @@ def read_array(call: Any, owner: Any, which: int, functions: Functions = WORLD) 
     """What call(owner, which, array) describes: a copy of host memory, or a `DeviceArray`."""
     view = _abi.Array()
     check(call(owner.pointer, which, ctypes.byref(view)))
+    return _given(view, owner, functions)
+
+
+def _given(view: _abi.Array, owner: Any, functions: Functions) -> Any:
     if view.device:
         return DeviceArray(owner, view, functions)
     return _copy_of(view) if view.data else np.empty(tuple(view.shape), view.typestr.decode())
+
+
+def cast_arrays(call: Any, owner: Any, given: dict[str, Any], max_distance: float, filter: Any,
+                functions: Functions = WORLD) -> list[Any]:
+    """call(owner, worlds, rays, hits) with "origins", "directions" and "worlds", or None, of `given`. Returns
+    distances, bodies and normals as `read_array` does."""
+    keep: list[Any] = []
+    used: list[Any] = []
+    device = functools.partial(device_of, functions, owner.pointer)
+    views = {}
+    for name, values in given.items():
+        kind = np.int32 if name == "worlds" else np.float64
+        views[name] = None if values is None else view_of(name, values, kind, device, keep, used)
+    rays, hits = _abi.RayArrays(), _abi.RayHitArrays()
+    rays.origins, rays.directions, rays.max_distance = views["origins"], views["directions"], max_distance
+    rays.filter = filter
+    owner.held.extend(used)  # as those of write_rows()
+    worlds = views["worlds"]
+    check(call(owner.pointer, None if worlds is None else ctypes.byref(worlds), ctypes.byref(rays),
+               ctypes.byref(hits)))
+    return [_given(view, owner, functions) for view in (hits.distances, hits.bodies, hits.normals)]
 
 
 def write_rows(call: Any, owner: Any, which: int, rows: Any, values: Any,

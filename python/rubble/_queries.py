@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Optional
 import numpy as np
 
 from . import _abi
-from ._arrays import read_array
+from ._arrays import cast_arrays, read_array
 from ._bodies import Body, Vector
 from ._library import check, encode, lib, list_of, matrix, structs
 from ._shapes import Definition, ShapeHandle
@@ -33,6 +33,15 @@ class Hit(NamedTuple):
     triangle: int  #: of a mesh, height field or deformable object: its index; otherwise -1
     user_data: int  #: of the body or object
     shape_user_data: int  #: of the shape of the body, or of the part of a compound
+
+
+class RayHits(NamedTuple):
+    """First hits of n rays: numpy arrays, or for rays on the device `DeviceArray` objects, which are valid
+    until the next call of `cast_ray_arrays`."""
+
+    distances: Any  #: (n, 1) [m], float32; `max_distance` without a hit
+    bodies: Any  #: (n, 1) `body.index` in its world, int32; -1 without a hit
+    normals: Any  #: (n, 3) outward from the body, float32; zeros without a hit
 
 
 class Quality(NamedTuple):
@@ -102,6 +111,24 @@ class Queries:
         hits = np.zeros(len(rays), np.dtype(_abi.Hit))
         check(lib.rb_world_cast_rays(self._pointer, rays.ctypes.data, len(rays), hits.ctypes.data))
         return hits
+
+    def cast_ray_arrays(self, origins: Any, directions: Any, max_distance: float = 1e6,
+                        **filter: Unpack[FilterFields]) -> RayHits:
+        """First hits of many rays as arrays, where the rays are: depths for learners.
+
+        Args:
+            origins: (n, 3) [m].
+            directions: (n, 3) of any length. Both are host arrays, or with the backend "cuda" both arrays of
+                its device, as in `scatter`: nothing goes to the host then.
+            filter: Without deformable objects.
+        Raises:
+            Error: For a ray in host memory that is not finite or has no direction. On the device its distance
+                is NaN.
+        """
+        def call(pointer: Any, _: Any, rays: Any, hits: Any) -> int:
+            return lib.rb_world_cast_ray_arrays(pointer, rays, hits)
+        return RayHits(*cast_arrays(call, self._owner, {"origins": origins, "directions": directions,
+                                                        "worlds": None}, max_distance, filter_of(**filter)))
 
     def cast_shape(self, shape: Definition, position: Vector, displacement: Vector,
                    orientation: Vector = (1, 0, 0, 0), **filter: Unpack[FilterFields]) -> Optional[Hit]:
@@ -251,6 +278,13 @@ def _set_filter(queries: np.ndarray, layers: int = ALL, mask: int = ALL, sensors
     chosen["deformables"] = deformables
     for key, skipped in (("ignore", ignore), ("ignore_object", ignore_object)):
         chosen[key]["index"], chosen[key]["generation"] = (-1, 0) if skipped is None else skipped.id
+
+
+def filter_of(**filter: Unpack[FilterFields]) -> _abi.QueryFilter:
+    """A filter of the library."""
+    queries = np.zeros(1, np.dtype(_abi.Ray))
+    _set_filter(queries, **filter)
+    return _abi.Ray.from_buffer_copy(queries.tobytes()).filter
 
 
 def _rays(origins: Any, directions: Any, max_distance: float, filter: FilterFields) -> np.ndarray:

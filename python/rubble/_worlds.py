@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 import numpy as np
 
 from . import _abi
-from ._arrays import JOINT_NAMES, SENSOR_NAMES, VERTEX_NAMES, index_of, read_array, write_rows
+from ._arrays import (JOINT_NAMES, SENSOR_NAMES, VERTEX_NAMES, cast_arrays, index_of, read_array,
+                      write_rows)
 from ._exchange import WORLDS
 from ._film import in_notebook
 from ._library import Handle, check, encode, invalid, json_of, lib, matrix
 from ._progress import Progress, ProgressOption
-from ._queries import _rays
+from ._queries import RayHits, _rays, filter_of
 from ._scene import Scene
 from ._world import Snapshot, StepReport, World
 
@@ -217,6 +218,19 @@ class Worlds:
         check(lib.rb_worlds_cast_rays(self._handle.pointer, numbers.ctypes.data, rays.ctypes.data, len(rays),
                                       hits.ctypes.data))
         return hits
+
+    def cast_ray_arrays(self, origins: Any, directions: Any, max_distance: float = 1e6,
+                        worlds: Any = None, **filter: Unpack[FilterFields]) -> RayHits:
+        """`World.cast_ray_arrays` in many worlds.
+
+        Args:
+            worlds: (n,) world of each ray, int32, in the same memory. None: each world has as many rays,
+                world after world.
+            filter: `ignore` skips the body of that index in each world.
+        """
+        given = {"origins": origins, "directions": directions, "worlds": worlds}
+        return RayHits(*cast_arrays(lib.rb_worlds_cast_ray_arrays, self._handle, given, max_distance,
+                                    filter_of(**filter), WORLDS))
 
     def set_values(self, key: str, values: Any, worlds: Any = None) -> None:
         """Sets an authored value of each world: domain randomization. A reset brings back that of its

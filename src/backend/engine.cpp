@@ -4,6 +4,8 @@
 
 namespace rubble {
 
+RayHitArrays Engine::castRays(const EngineRays&) { throw Error("rays", "host memory", "memory of a device"); }
+
 std::uint64_t hashOf(Engine& engine) { return hashOf(engine.snapshot()->bytes()); }
 
 std::uint64_t hashOf(std::span<const std::byte> state) {

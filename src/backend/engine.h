@@ -6,6 +6,7 @@
 
 #include <rubble/ranks.h>
 
+#include "collision/ray_arrays.h"
 #include "tables/edits.h"
 #include "tables/reader.h"
 
@@ -103,6 +104,9 @@ class Engine {
   /// The first hit, or the nearest body, of each query. Valid until the next query.
   virtual std::span<const EngineHit> hits(const EngineQueries& asked) = 0;
   virtual EngineOverlaps overlaps(const EngineQueries& asked) = 0;
+  /// First hits of rays in memory of the device, there. Checked, but for their numbers. Only with
+  /// deviceArrays().
+  virtual RayHitArrays castRays(const EngineRays& rays);
   /// The first hit of each part of each body, of rays, casts and overlaps, on the host.
   virtual EngineAllHits allHits(const EngineQueries& asked) = 0;
 

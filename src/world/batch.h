@@ -190,6 +190,12 @@ class WorldSlice final : public Engine {
   EngineOverlaps overlaps(const EngineQueries& asked) override {
     return batch_->engine().overlaps(ofWorld(asked));
   }
+  RayHitArrays castRays(const EngineRays& rays) override {
+    batch_->flush();
+    EngineRays own = rays;
+    own.firstWorld = world_;
+    return batch_->engine().castRays(own);
+  }
   ArrayView array(StateArray which) override;
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override;
   void setJointRows(const JointRows& rows) override { batch_->setJointRows(world_, rows); }

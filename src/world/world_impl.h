@@ -50,6 +50,12 @@ void validate(const BodyState& state, const Path& path);
 /// Throws Error for a stiffness, a threshold or an anchor that cannot be.
 void checkNumbers(const AttachmentDef& def, const Path& path);
 
+/// What World::castRayArrays gives of rays in host memory.
+struct HostRayHits {
+  std::vector<float> distances, normals;
+  std::vector<int> bodies;
+};
+
 struct BodyChange;
 
 /// Definitions of actuators in one world.
@@ -190,6 +196,7 @@ struct World::Impl {
   bool doublePrecision = false;  ///< of the engine; snapshots of the other precision cannot be restored
   std::int64_t epoch = 0;
   PoseRing poses;
+  HostRayHits rayHits;
   LogSink log;
   IdleCalls idle;
   TaskSystem tasks;  ///< of the host

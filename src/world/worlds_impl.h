@@ -42,6 +42,7 @@ struct Worlds::Impl {
   IdleCalls idle;
   std::uint64_t seed = 0;           ///< of worlds that are added
   std::vector<RandomState> random;  ///< of each world
+  HostRayHits rayHits;
   // of all batches
   std::vector<std::byte> arrays[static_cast<int>(StateArray::Torque) + 1],
       axes[static_cast<int>(JointArray::AppliedForce) + 1],

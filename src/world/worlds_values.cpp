@@ -77,9 +77,9 @@ template <class Own> class WorldValues {
     const std::string& list = path_.list();
     if (list == "gravity") return {OfGravity{}};
     const PathPart& name = path_.part(0);
-    if (list == "bodies") return {idOf(name, world_.bodies(), &World::findBody)};
-    if (list == "joints") return {idOf(name, world_.joints(), &World::findJoint)};
-    if (list == "deformables") return {idOf(name, world_.deformables(), &World::findDeformable)};
+    if (list == "bodies") return {idOf(name, &World::bodies, &World::findBody)};
+    if (list == "joints") return {idOf(name, &World::joints, &World::findJoint)};
+    if (list == "deformables") return {idOf(name, &World::deformables, &World::findDeformable)};
     if (list == "attachments") return {attachment(name)};
     if (list == "actuators") return {actuator(name)};
     return list == "materials" ? ofMaterial(name.text) : std::vector<Named>{pair()};
@@ -93,8 +93,10 @@ template <class Own> class WorldValues {
   }
 
  private:
-  template <class Id> Id idOf(const PathPart& name, const std::vector<Id>& ids, auto find) const {
-    return name.isPlace ? ids[within(name, ids.size())] : (world_.*find)(name.text);
+  auto idOf(const PathPart& name, auto list, auto find) const {
+    if (!name.isPlace) return (world_.*find)(name.text);
+    const auto ids = (world_.*list)();
+    return ids[within(name, ids.size())];
   }
   static std::size_t within(const PathPart& place, std::size_t count) {
     if (static_cast<std::size_t>(place.index) >= count)

@@ -1,9 +1,12 @@
 /// Queries of a world on the device against the same ones on the CPU, over the same poses.
+#include <cuda_runtime_api.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <rubble/info.h>
+#include <rubble/worlds.h>
 
 #include "tests/query/random_scene.h"
 
@@ -96,6 +99,102 @@ TEST_F(CudaQuery, AnswersAsTheCpuDoes) {
   for (std::size_t i = 0; i < a.size(); ++i) other += a[i] != b[i], found += a[i].size();
   EXPECT_LE(other, kTies);
   EXPECT_GT(found, static_cast<std::size_t>(kQueries / 4));
+}
+
+/// Rows of numbers in memory of the device. Its work may be ordered by the legacy default stream.
+template <class T> class DeviceRows {
+ public:
+  DeviceRows(const std::vector<T>& host, std::int64_t numbers, const char* type) {
+    void* memory = nullptr;
+    EXPECT_EQ(cudaMalloc(&memory, sizeof(T) * host.size()), cudaSuccess);
+    EXPECT_EQ(cudaMemcpy(memory, host.data(), sizeof(T) * host.size(), cudaMemcpyHostToDevice), cudaSuccess);
+    view.data = memory, view.typestr = type, view.device = true, view.stream = 1;
+    view.shape[0] = std::ssize(host) / numbers, view.shape[1] = numbers;
+    view.strides[0] = numbers * static_cast<std::int64_t>(sizeof(T)), view.strides[1] = sizeof(T);
+  }
+  ~DeviceRows() { cudaFree(const_cast<void*>(view.data)); }
+  DeviceRows(const DeviceRows&) = delete;
+  DeviceRows& operator=(const DeviceRows&) = delete;
+
+  ArrayView view;
+};
+
+template <class T> std::vector<T> numbersIn(const ArrayView& view) {
+  EXPECT_TRUE(view.device);
+  std::vector<T> host(static_cast<std::size_t>(view.shape[0] * view.shape[1]));
+  EXPECT_EQ(cudaStreamSynchronize(reinterpret_cast<cudaStream_t>(view.stream)), cudaSuccess);
+  EXPECT_EQ(cudaMemcpy(host.data(), view.data, sizeof(T) * host.size(), cudaMemcpyDeviceToHost), cudaSuccess);
+  return host;
+}
+
+Vec3 inFloat(const Vec3& a) {
+  const auto round = [](double d) { return static_cast<double>(static_cast<float>(d)); };
+  return {round(a.x), round(a.y), round(a.z)};
+}
+
+TEST_F(CudaQuery, RaysThatAreArraysHitWhatTheSameRaysHit) {
+  constexpr int kWorlds = 3;
+  Worlds worlds(on("cuda"));
+  worlds.addCopies(randomScene(31), kWorlds);
+  for (int w = 0; w < kWorlds; ++w) worlds[w].setGravity({0, 3. * w, -9.81});
+  worlds.step(5);
+  Random random(34);
+  std::vector<double> origins;
+  std::vector<float> directions;
+  std::vector<int> numbers;
+  std::vector<Worlds::WorldRay> even, mixed;
+  RayQuery ray;
+  ray.maxDistance = 40;
+  for (int i = 0; i < kWorlds * kQueries; ++i) {
+    ray.origin = random.vector(15), ray.direction = inFloat(randomWay(random, .1, 3));
+    origins.insert(origins.end(), {ray.origin.x, ray.origin.y, ray.origin.z});
+    for (const double d : {ray.direction.x, ray.direction.y, ray.direction.z})
+      directions.push_back(static_cast<float>(d));
+    numbers.push_back(i % kWorlds);
+    even.push_back({i / kQueries, ray}), mixed.push_back({numbers.back(), ray});
+  }
+  const DeviceRows<double> from(origins, 3, "<f8");
+  const DeviceRows<float> to(directions, 3, "<f4");
+  const DeviceRows<int> of(numbers, 1, "<i4");
+  const RayArrays arrays{from.view, to.view, ray.maxDistance, {}};
+  for (const bool isEven : {true, false}) {
+    const std::vector<RayHit> wanted = worlds.castRays(isEven ? even : mixed);
+    const RayHitArrays found = worlds.castRayArrays(arrays, isEven ? ArrayView{} : of.view);
+    const std::vector<float> distances = numbersIn<float>(found.distances);
+    const std::vector<float> normals = numbersIn<float>(found.normals);
+    const std::vector<int> bodies = numbersIn<int>(found.bodies);
+    ASSERT_EQ(distances.size(), wanted.size());
+    int hits = 0;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      hits += wanted[i].hit;
+      EXPECT_EQ(bodies[i], wanted[i].hit ? wanted[i].body.index : -1) << i;
+      EXPECT_EQ(distances[i], static_cast<float>(wanted[i].hit ? wanted[i].distance : ray.maxDistance)) << i;
+      EXPECT_EQ(normals[3 * i + 2], static_cast<float>(wanted[i].hit ? wanted[i].normal.z : 0)) << i;
+    }
+    EXPECT_GT(hits, kQueries / 4);
+  }
+}
+
+TEST_F(CudaQuery, RaysThatAreArraysSeeEditsAndLeaveTheStepAlone) {
+  const Scene scene = randomScene(33);
+  World asked(scene, on("cuda")), alone(scene, on("cuda"));
+  const DeviceRows<float> from({0, 0, 50, 0, 0, 50}, 3, "<f4"), to({0, 0, -2, 0, 0, 0}, 3, "<f4");
+  const RayArrays rays{from.view, to.view, 30, {}};
+  EXPECT_EQ(numbersIn<int>(asked.castRayArrays(rays).bodies), (std::vector<int>{-1, -1}));
+  BodyDef ball = body(Shape::sphere(1), {0, 0, 40});
+  ball.motion = Motion::Static;
+  const BodyId id = asked.addBody(ball);
+  alone.addBody(ball);
+  const RayHitArrays found = asked.castRayArrays(rays);
+  EXPECT_EQ(numbersIn<int>(found.bodies), (std::vector<int>{id.index, -1}));
+  const std::vector<float> distances = numbersIn<float>(found.distances);
+  EXPECT_NEAR(distances[0], 9, 1e-4);
+  EXPECT_TRUE(std::isnan(distances[1]));
+  for (int i = 0; i < 8; ++i) {
+    asked.step(), alone.step();
+    asked.castRayArrays(rays);
+  }
+  EXPECT_EQ(asked.hash(), alone.hash());
 }
 
 TEST_F(CudaQuery, SeesEditsAndLeavesTheStepAlone) {

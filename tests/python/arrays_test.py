@@ -3,7 +3,7 @@ import gc
 import sys
 import weakref
 
-from support import Case, crate_world, main  # first: it skips the test where numpy is missing
+from support import Case, crate_scene, crate_world, main  # first: it skips the test where numpy is missing
 
 import numpy as np
 import rubble
@@ -32,6 +32,41 @@ class Arrays(Case):
                                  "typestr": "<f8", "version": 3, "stream": 7})
         view.shape[0] = 4
         self.assertEqual(rubble.DeviceArray(None, view).shape, (4, 3))
+
+    def test_rays_that_are_arrays_hit_what_the_same_rays_hit(self):
+        scene = crate_scene()
+        scene.add_body(rubble.sphere(0.5), name="ball", position=(3, 0, 2))
+        worlds, random = rubble.Worlds(scene, 3, threads=1), np.random.default_rng(1)
+        worlds[1].gravity = (0, 0, -90)
+        worlds.step(5)
+        origins, directions = random.uniform(-2, 4, (60, 3)) + (0, 0, 4), random.normal(size=(60, 3))
+        directions[:, 2] -= 1
+        which = np.arange(60, dtype=np.int32) % 3
+        options = {"max_distance": 20, "ignore": worlds[0].bodies["ball"]}
+        for cast, wanted in (
+                (worlds.cast_ray_arrays(origins, directions, worlds=which, **options), which),
+                (worlds.cast_ray_arrays(origins.astype(np.float32), directions, **options), np.sort(which)),
+                (worlds[1].cast_ray_arrays(origins, directions, **options), np.full(60, 1))):
+            hits = worlds.cast_rays(wanted, origins, directions, **options)
+            found = hits["hit"].astype(bool)
+            self.assertTrue(20 < found.sum() < 60)
+            self.assertEqual([(a.shape, a.dtype) for a in cast],
+                             [((60, 1), np.float32), ((60, 1), np.int32), ((60, 3), np.float32)])
+            self.assertNear(cast.distances[:, 0], np.where(found, hits["distance"], 20), 1e-4)
+            self.assertEqual(cast.bodies[:, 0].tolist(), np.where(found, hits["body"]["index"], -1).tolist())
+            self.assertNear(cast.normals, hits["normal"] * found[:, None], 1e-4)
+            self.assertNotIn(worlds[0].bodies["ball"].index, cast.bodies)
+
+    def test_rays_that_are_arrays_name_what_is_wrong(self):
+        world, worlds = crate_world(), rubble.Worlds(crate_scene(), 2, threads=1)
+        down = np.tile((0.0, 0, -1), (3, 1))
+        self.assertInvalid("directions.shape", lambda: world.cast_ray_arrays(down, down[:2]))
+        self.assertInvalid("rays[0].direction", lambda: world.cast_ray_arrays(down, 0 * down))
+        self.assertInvalid("maxDistance", lambda: world.cast_ray_arrays(down, down, -1))
+        self.assertInvalid("filter.deformables", lambda: world.cast_ray_arrays(down, down, deformables=True))
+        self.assertInvalid("origins.shape", lambda: worlds.cast_ray_arrays(down, down))
+        self.assertInvalid("world", lambda: worlds.cast_ray_arrays(down, down, worlds=[0, 1, 2]))
+        self.assertEqual(world.cast_ray_arrays(down[:0], down[:0]).normals.shape, (0, 3))
 
     def test_edits_are_seen_in_the_view(self):
         world = crate_world()

@@ -128,6 +128,38 @@ class DeviceArrays(Case):
             found.append(sensors.values)
         np.testing.assert_allclose(found[1], found[0], rtol=1e-2, atol=1e-2)
 
+    def test_rays_that_are_arrays_hit_what_they_hit_on_the_cpu(self):
+        scene, random = crate_scene(), np.random.default_rng(1)
+        origins, directions = random.uniform(-2, 2, (600, 3)) + (0, 0, 3), random.normal(size=(600, 3))
+        directions[:, 2] -= 1
+        which, down = np.arange(600, dtype=np.int32) % 3, [0.0, 0.0, -1.0]
+        cpu, cuda = (rubble.Worlds(scene, 3, backend=backend) for backend in ("cpu", "cuda"))
+        for worlds in (cpu, cuda):
+            worlds[1].gravity = (0, 0, -90)
+            worlds.step(5)
+        for given in (which, None):
+            wanted = cpu.cast_ray_arrays(origins, directions, 20, worlds=given)
+            there = [tensor(origins, torch.float64), tensor(directions)]
+            on_device = None if given is None else tensor(given, torch.int32)
+            found = cuda.cast_ray_arrays(*there, 20, worlds=on_device)
+            self.assertTrue(all(array.on_device for array in found))
+            distances, bodies, normals = (torch.from_dlpack(array).cpu().numpy() for array in found)
+            same = bodies == wanted.bodies  # of a near tie another one may be found
+            self.assertGreater(same.mean(), 0.99)
+            self.assertNear(distances[same], wanted.distances[same], 1e-3)
+            self.assertNear(normals[same[:, 0]], wanted.normals[same[:, 0]], 1e-3)
+            host = cuda.cast_ray_arrays(origins, directions, 20, worlds=given)
+            self.assertIsInstance(host.distances, np.ndarray)
+            self.assertNear(distances, host.distances, 1e-4)
+        one = cuda[2].cast_ray_arrays(tensor([[0, 0, 9]]), tensor([down]), ignore=cuda[2].bodies["crate"])
+        self.assertNear(as_tensor(one.distances).cpu(), [[9]], 1e-4)
+        self.assertEqual(as_tensor(one.bodies).cpu().tolist(), [[0]])
+        none = cuda.cast_ray_arrays(tensor([[0, 0, 9]] * 3), tensor([down, [0, 0, 0], [float("nan"), 0, 1]]))
+        self.assertEqual(torch.isnan(as_tensor(none.distances))[:, 0].tolist(), [False, True, True])
+        self.assertEqual(as_tensor(none.bodies)[1:, 0].tolist(), [-1, -1])
+        beyond = cuda.cast_ray_arrays(tensor([[0, 0, 9]]), tensor([down]), worlds=tensor([3], torch.int32))
+        self.assertTrue(torch.isnan(as_tensor(beyond.distances)).all())
+
     def test_arrays_say_what_they_are(self):
         worlds = rubble.Worlds(crate_scene(), 2, backend="cuda")
         array = worlds.array("position")
@@ -242,6 +274,31 @@ class DeviceStreams(Case):
                 worlds.scatter("angular_velocity", [CRATE], [(1, 1, 1)])
                 worlds.sensor_array("angular_rate")
                 self.assertNear(copy.cpu()[CRATE], (7, 8, 9), 1e-5)
+
+    def test_rays_may_be_fresh_and_overwritten_afterwards(self):
+        for where, stream in streams().items():
+            with self.subTest(where), stream:
+                world = crate_world(backend="cuda")
+                world.step()
+                origins, directions = tensor([[50, 0, 0]]), tensor([[0, 0, -1]])
+                wanted, away = tensor([[0, 0, 9]]), tensor([[50, 0, 50]])
+                torch.cuda._sleep(CYCLES)
+                origins.copy_(wanted)
+                found = torch.from_dlpack(world.cast_ray_arrays(origins, directions).bodies)
+                origins.copy_(away)
+                self.assertEqual(found.cpu().tolist(), [[CRATE]])
+
+    def test_hits_that_are_written_again_wait_for_their_readers(self):
+        for where, stream in streams().items():
+            with self.subTest(where), stream:
+                world = crate_world(backend="cuda")
+                world.step()
+                crate, ground, down = tensor([[0, 0, 9]]), tensor([[50, 0, 9]]), tensor([[0, 0, -1]])
+                seen = torch.from_dlpack(world.cast_ray_arrays(crate, down).bodies)
+                torch.cuda._sleep(CYCLES)
+                copy = seen.clone()
+                world.cast_ray_arrays(ground, down)
+                self.assertEqual(copy.cpu().tolist(), [[CRATE]])
 
     def test_views_of_sorted_bodies_follow_each_step(self):
         world = crate_world(backend="cuda")

@@ -324,6 +324,21 @@ typedef struct rb_ray {
   rb_query_filter filter;
 } rb_ray;
 
+/// Rays as arrays, all in host memory or all in that of the device of the world.
+typedef struct rb_ray_arrays {
+  rb_array origins;        ///< [m]: (n, 3), "<f4" or "<f8"
+  rb_array directions;     ///< any non-zero length: the same
+  double max_distance;     ///< [m]
+  rb_query_filter filter;  ///< of all rays, without deformable objects
+} rb_ray_arrays;
+
+/// First hits of these rays, in the memory that the rays are in.
+typedef struct rb_ray_hit_arrays {
+  rb_array distances;  ///< [m]: (n, 1), "<f4"; without a hit `max_distance`
+  rb_array bodies;     ///< index of the body: (n, 1), "<i4"; -1: no hit
+  rb_array normals;    ///< outward from the body: (n, 3), "<f4"; zeros: no hit
+} rb_ray_hit_arrays;
+
 typedef struct rb_cast {
   const rb_shape* shape;   ///< convex or compound
   double position[3];      ///< [m]

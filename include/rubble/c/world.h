@@ -274,6 +274,11 @@ RB_API rb_status rb_world_wake(rb_world* world, rb_body_id body);
 /// First hits.
 RB_API rb_status rb_world_cast_rays(rb_world* world, const rb_ray* rays, int64_t count, rb_hit* hits);
 RB_API rb_status rb_world_cast_shapes(rb_world* world, const rb_cast* casts, int64_t count, rb_hit* hits);
+/// First hits of rays that are arrays. Valid until the next call. On a device nothing comes to the host: rays
+/// are read in the order of their streams, and hits are written in that of rb_world_device(). On a device
+/// distances are NaN for rays that are not finite or have no direction; the host reports these.
+RB_API rb_status rb_world_cast_ray_arrays(rb_world* world, const rb_ray_arrays* rays,
+                                          rb_ray_hit_arrays* hits);
 /// Bodies of query k: bodies[offsets[k]] to bodies[offsets[k + 1] - 1].
 RB_API rb_status rb_world_overlaps(rb_world* world, const rb_overlap* shapes, int64_t count,
                                    const int64_t** offsets, const rb_body_id** bodies);

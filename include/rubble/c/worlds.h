@@ -56,6 +56,11 @@ RB_API rb_status rb_worlds_contact_forces(const rb_worlds* worlds, const int32_t
 /// First hits of `count` rays, ray k in world numbers[k]. Hits name bodies of that world.
 RB_API rb_status rb_worlds_cast_rays(rb_worlds* worlds, const int32_t* numbers, const rb_ray* rays,
                                      int64_t count, rb_hit* hits);
+/// As rb_world_cast_ray_arrays(). `numbers`: the world of each ray, (n, 1), "<i4", in the memory of the rays.
+/// On a device the distance of a ray in no world is NaN. Null: each world has as many rays, world after
+/// world. The body to skip is that of the same index in each world.
+RB_API rb_status rb_worlds_cast_ray_arrays(rb_worlds* worlds, const rb_array* numbers,
+                                           const rb_ray_arrays* rays, rb_ray_hit_arrays* hits);
 /// As rb_actuators_create(), in `count` worlds of that scene from world `first` on; -1: up to the last one.
 /// The arrays of rb_actuators_arrays() have a row for each of these worlds.
 RB_API rb_status rb_actuators_create_in(const rb_scene* scene, rb_worlds* worlds, int32_t first,

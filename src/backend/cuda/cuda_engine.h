@@ -88,6 +88,11 @@ class CudaEngine final : public ObservableEngine,
   EngineOverlaps overlaps(const EngineQueries& asked) override {
     return queries_.overlaps(present(), host().view().step, asked, stepper_.stream());
   }
+  RayHitArrays castRays(const EngineRays& rays) override {
+    return mirror_.castRays(rays, [&](const SolverData& device) {
+      return queries_.hits(device, host().view().step, rays, stepper_.stream());
+    });
+  }
   EngineAllHits allHits(const EngineQueries& asked) override {
     mirror_.fetchAll();
     return hostQueries_.allHits(host(), asked);

@@ -103,6 +103,27 @@ struct PickHit {
   }
 };
 
+/// Writes ray i of arrays as a query.
+struct ReadRays {
+  static constexpr const char* kStage = "queries";
+  RayReader rays;
+  EngineQuery* queries;
+  __device__ void operator()(const SolverData&, int i) const { queries[i] = rays(i); }
+};
+
+/// Writes the answer to query i to arrays.
+struct WriteRayHits {
+  static constexpr const char* kStage = "queries";
+  const EngineQuery* queries;
+  const EngineHit* hits;
+  RayHitWriter to;
+  __device__ void operator()(const SolverData&, int i) const {
+    const EngineHit& hit = hits[i];
+    const double reach = queries[i].reach;
+    to(i, hit.body >= 0, hit.body >= 0 ? hit.fraction * reach : reach, hit.body, hit.normal);
+  }
+};
+
 void copyTo(void* device, const void* host, std::size_t bytes, cudaStream_t stream) {
   if (bytes > 0)
     checkCuda(cudaMemcpyAsync(device, host, bytes, cudaMemcpyHostToDevice, stream),
@@ -140,11 +161,13 @@ SolverData DeviceQueries::withGrid(const SolverData& device, const StepConstants
   s.step = reinterpret_cast<StepConstants*>(still_.data());
   s.pausing = false;
   if (std::exchange(filled_, true)) return s;
-  // bodies do not move during queries; the last copy has ended, because every query waits for the device
+  // bodies do not move during queries
+  constantsSent_.wait();
   constants_.reserve(bytes);
   auto* const still = reinterpret_cast<StepConstants*>(constants_.data());
   for (int w = 0; w < s.worlds; ++w) still[w] = constants[w], still[w].dt = 0;
   copyTo(s.step, still, bytes, stream);
+  constantsSent_.record(stream);
   const auto clear = [&](void* p, std::size_t bytes) {
     checkCuda(cudaMemsetAsync(p, 0, bytes, stream), "cudaMemsetAsync");
   };
@@ -206,6 +229,25 @@ std::span<const EngineHit> DeviceQueries::hits(const SolverData& device, const S
   });
   checkCuda(cudaStreamSynchronize(stream), "queries");
   return {hits, count};
+}
+
+RayHitArrays DeviceQueries::hits(const SolverData& device, const StepConstants* constants,
+                                 const EngineRays& rays, cudaStream_t stream) {
+  const int n = static_cast<int>(rays.origins.shape[0]);
+  const auto count = static_cast<std::size_t>(n);
+  const auto memory = []<class T>(DeviceBuffer& buffer, std::size_t numbers, T*) {
+    buffer.reserve(sizeof(T) * numbers);
+    return reinterpret_cast<T*>(buffer.data());
+  };
+  auto* const queries = memory(batch_, count, static_cast<EngineQuery*>(nullptr));
+  auto* const answers = memory(answers_, count, static_cast<EngineHit*>(nullptr));
+  auto* const numbers = memory(rayHits_, 5 * count, static_cast<float*>(nullptr));
+  const RayHitWriter to{numbers, reinterpret_cast<int*>(numbers + count), numbers + 2 * count};
+  const SolverData s = withGrid(device, constants, stream);
+  launch(s, ReadRays{RayReader(rays), queries}, n, stream);
+  launch(s, FindHitByWarp<QueryKind::Ray>{queries, {}, answers}, n, stream);
+  launch(s, WriteRayHits{queries, answers, to}, n, stream);
+  return hitArrays(to, n);
 }
 
 EngineOverlaps DeviceQueries::overlaps(const SolverData& device, const StepConstants* constants,

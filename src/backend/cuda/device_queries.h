@@ -1,6 +1,7 @@
 #pragma once
 /// Queries over tables on the device, by the functors of stages/queries/queries.h.
 #include "backend/cuda/device_memory.h"
+#include "collision/ray_arrays.h"
 #include "stages/queries/queries.h"
 #include "tables/records.h"
 
@@ -18,6 +19,9 @@ class DeviceQueries {
                                   const EngineQueries& asked, cudaStream_t stream);
   EngineOverlaps overlaps(const SolverData& device, const StepConstants* constants,
                           const EngineQueries& asked, cudaStream_t stream);
+  /// As Engine::castRays. Nothing waits for the device.
+  RayHitArrays hits(const SolverData& device, const StepConstants* constants, const EngineRays& rays,
+                    cudaStream_t stream);
   /// Bodies have moved or changed since the last query.
   void moved() { filled_ = false; }
 
@@ -37,7 +41,9 @@ class DeviceQueries {
   DeviceBuffer scratch_, still_, batch_, counts_, found_;
   DeviceBuffer shapes_, vectors_, indices_, parts_;  ///< of casts and overlaps
   PinnedBuffer room_, hits_, offsets_, bodies_;
+  DeviceBuffer answers_, rayHits_;  ///< of rays that are arrays
   PinnedBuffer constants_;
+  StreamEvent constantsSent_;
   bool filled_ = false;
 };
 

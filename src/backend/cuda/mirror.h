@@ -12,6 +12,7 @@
 #include "backend/cuda/packet.h"
 #include "backend/cuda/stream_order.h"
 #include "backend/cuda/world_splice.h"
+#include "collision/ray_arrays.h"
 #include "tables/table_edit.h"
 #include "tables/world_state.h"
 
@@ -94,6 +95,19 @@ class Mirror {
     return filled([&] { return jointRows_.contactForces(present(), pairs, stepper_.stream()); });
   }
   void scatter(JointArray which, const ArrayView& rows, const ArrayView& values);
+  /// Calls cast(device) in the order of the streams of the rays. It gives hits in memory of the device.
+  template <class Cast> RayHitArrays castRays(const EngineRays& rays, const Cast& cast) {
+    flush();
+    RayHitArrays hits;
+    {
+      const StreamOrder::Writing writing(order_);
+      const ArrayView* const given[] = {&rays.origins, &rays.directions, &rays.worlds};
+      for (const ArrayView* const view : given) order_.follow(view->stream);
+      hits = cast(present());
+      for (const ArrayView* const view : given) order_.lead(view->stream);
+    }
+    return {handOut(hits.distances), handOut(hits.bodies), handOut(hits.normals)};
+  }
   /// Updates the arrays by id after a step.
   void followArrays();
   /// Number of pairs of the last step on the device.

@@ -57,6 +57,7 @@ class RankEngine final : public ObservableEngine {
   std::span<const EngineHit> hits(const EngineQueries& asked) override { return own().hits(asked); }
   EngineOverlaps overlaps(const EngineQueries& asked) override { return own().overlaps(asked); }
   EngineAllHits allHits(const EngineQueries& asked) override { return own().allHits(asked); }
+  RayHitArrays castRays(const EngineRays& rays) override { return own().castRays(rays); }
   ArrayView array(StateArray which) override { return own().array(which); }
   ArrayView array(VertexArray which) override { return own().array(which); }
   DeviceArrays* deviceArrays() override { return own().deviceArrays(); }

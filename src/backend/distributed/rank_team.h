@@ -73,6 +73,9 @@ class RankTeam final : public Engine {
   EngineAllHits allHits(const EngineQueries& asked) override {
     return first([&](RankEngine& e) { return e.allHits(asked); });
   }
+  RayHitArrays castRays(const EngineRays& rays) override {
+    return first([&](RankEngine& e) { return e.castRays(rays); });
+  }
   ArrayView array(StateArray which) override {
     return first([&](RankEngine& e) { return e.array(which); });
   }

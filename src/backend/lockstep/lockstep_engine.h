@@ -50,6 +50,7 @@ class LockstepEngine final : public Engine, public BatchEngine {
     b_.engine->allHits(asked);
     return a_.engine->allHits(asked);
   }
+  RayHitArrays castRays(const EngineRays& rays) override { return a_.engine->castRays(rays); }
   EngineOverlaps overlaps(const EngineQueries& asked) override {
     b_.engine->overlaps(asked);
     return a_.engine->overlaps(asked);
