@@ -49,11 +49,11 @@ struct Replay {
 };
 
 struct ReplayOptions {
-  std::string backend;  ///< "": as recorded
-  int threads = 0;      ///< of the CPU backends; 0: one per core
+  std::string backend = {};  ///< "": as recorded
+  int threads = 0;           ///< of the CPU backends; 0: one per core
   /// The log of the replay goes to this file, to its end or to the first difference; "": to none. A log that
   /// is replayed by the build that wrote it is written again with the same bytes.
-  std::string record;
+  std::string record = {};
 };
 
 /// Replays a log, to its end or to the first difference. Throws Error, with the line, for a file that is no
