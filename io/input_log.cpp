@@ -171,7 +171,10 @@ InputLog::InputLog(const std::string& file, const Scene& scene, const WorldOptio
 
 InputLog::~InputLog() { world_.setInputSink({}); }
 
-void InputLog::writeLine(const Ordered& json) { out_.stream() << json.dump() << '\n'; }
+void InputLog::writeLine(const Ordered& json) {
+  // names of materials may be no UTF-8
+  out_.stream() << json.dump(-1, ' ', false, Ordered::error_handler_t::replace) << '\n';
+}
 
 void InputLog::finish() {
   world_.setInputSink({});

@@ -48,8 +48,16 @@ struct Replay {
   std::optional<ReplayDifference> difference;
 };
 
-/// Replays a log, to its end or to the first difference. `backend`: "" as recorded. Throws Error for a file
-/// that is no log.
-Replay replayInputs(const std::string& file, const std::string& backend = "", int threads = 0);
+struct ReplayOptions {
+  std::string backend = {};  ///< "": as recorded
+  int threads = 0;           ///< of the CPU backends; 0: one per core
+  /// The log of the replay goes to this file, to its end or to the first difference; "": to none. A log that
+  /// is replayed by the build that wrote it is written again with the same bytes.
+  std::string record = {};
+};
+
+/// Replays a log, to its end or to the first difference. Throws Error, with the line, for a file that is no
+/// log and for a call that the world refuses.
+Replay replayInputs(const std::string& file, const ReplayOptions& options = {});
 
 }  // namespace rubble::io

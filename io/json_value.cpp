@@ -59,9 +59,6 @@ Fault syntaxFault(std::string_view text, const Unordered::parse_error& error) {
   return fault;
 }
 
-/// Lists and objects within one another: no file needs more, and what reads one calls itself for each.
-constexpr std::size_t kMostLevels = 64;
-
 }  // namespace
 
 /// Takes what the parser finds.
@@ -124,10 +121,10 @@ class JsonBuilder final : public Unordered::json_sax_t {
     return added;
   }
   bool begin(JsonValue::Type type) {
-    if (open_.size() == kMostLevels) {
+    if (open_.size() == kMostJsonLevels) {
       if (!open_.empty()) ++openValue().size_;
       return stop({path() + place(openValue(), {key_, keySize_}, openValue().size_ - 1), 0, 0,
-                   "expected at most " + std::to_string(kMostLevels) +
+                   "expected at most " + std::to_string(kMostJsonLevels) +
                        " lists and objects within one another, got more"});
     }
     add(type);

@@ -10,6 +10,9 @@
 
 namespace rubble::io {
 
+/// Lists and objects within one another: no file needs more, and what reads one calls itself for each.
+inline constexpr std::size_t kMostJsonLevels = 64;
+
 /// Of a JsonDocument. What is inside a value follows it in memory.
 class JsonValue {
  public:

@@ -34,6 +34,11 @@ if(NOT BUILD_SHARED_LIBS)
 endif()
 add_test(NAME c_api.exports COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/c_api/exports_test.py
   $<TARGET_FILE:rubble_c> ${PROJECT_SOURCE_DIR}/include/rubble/c ${static_library})
+if(static_library)
+  add_test(NAME c_api.state COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/c_api/state_test.py
+    $<TARGET_FILE:rubble_c> ${PROJECT_SOURCE_DIR})
+  set_tests_properties(c_api.state PROPERTIES LABELS c_api SKIP_RETURN_CODE 77)
+endif()
 add_test(NAME c_api.python_declarations COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tools/make_python_abi --check)
 set_tests_properties(c_api.load c_api.calls c_api.hello c_api.exports c_api.python_declarations PROPERTIES LABELS c_api TIMEOUT 900)
 

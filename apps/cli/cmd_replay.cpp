@@ -10,13 +10,13 @@ namespace rubble::cli {
 namespace {
 
 struct ReplayOptions {
-  std::string file, backend;
-  int threads = 0;
+  std::string file;
+  io::ReplayOptions replay;
   bool check = false, json = false;
 };
 
 int run(const ReplayOptions& options) {
-  const io::Replay replay = io::replayInputs(options.file, options.backend, options.threads);
+  const io::Replay replay = io::replayInputs(options.file, options.replay);
   const BuildInfo build = buildInfo();
   const int status = replay.difference && options.check ? kDoesNotHold : kHolds;
   if (options.json) {
@@ -48,9 +48,13 @@ void addReplay(CLI::App& app, int& status) {
       "replay",
       "Repeat the calls of 'rubble run --record-inputs', and find the first step and table that differ");
   command->add_option("file", options->file, "A log of inputs")->required();
-  command->add_option("--backend", options->backend, "Another backend than the recorded one");
-  command->add_option("--threads", options->threads, "Threads of the cpu backend; 0: one per core")
+  command->add_option("--backend", options->replay.backend, "Another backend than the recorded one");
+  command->add_option("--threads", options->replay.threads, "Threads of the cpu backend; 0: one per core")
       ->check(CLI::Range(0, 1024));
+  command
+      ->add_option("--record-inputs", options->replay.record,
+                   "Write the log of the replay: with the same build, the same bytes")
+      ->type_name("FILE");
   command->add_flag("--check", options->check, "Exit with 1 if anything differs");
   command->add_flag("--json", options->json, "As JSON");
   command->callback([options, &status] { status = run(*options); });

@@ -71,7 +71,7 @@ void Processes::fail([[maybe_unused]] const std::string& why) {
 }
 
 std::unique_ptr<Transport> Processes::transport() {
-  const RankProcesses& processes = rankProcesses();
+  const RankProcesses processes = rankProcesses();
   return processes.transport ? processes.transport(RankOptions().timeout) : nullptr;
 }
 

@@ -121,20 +121,32 @@ void World::applyAngularImpulse(BodyId id, const Vec3& impulse) {
     impl_->idle.force.seen = true;
     return;
   }
-  BodyState moving = state(id);
-  const Quat axes = impl_->bodyState(id).orientation;
-  const Vec3 local = rotateInverse(axes, impulse), inertia = body.mass.inertia;
-  moving.angularVelocity += rotate(axes, Vec3{local.x / inertia.x, local.y / inertia.y, local.z / inertia.z});
-  setState(id, moving);
+  setState(id, impl_->turned(id, impulse));
+}
+BodyState World::Impl::turned(BodyId id, const Vec3& angularImpulse) const {
+  const BodyRecord& body = registry.bodies[id];
+  const BodyState own = bodyState(id);
+  BodyState moving = body.frame.toAuthor(own);
+  const Vec3 local = rotateInverse(own.orientation, angularImpulse), inertia = body.mass.inertia;
+  moving.angularVelocity += rotate(own.orientation,
+                                   Vec3{local.x / inertia.x, local.y / inertia.y, local.z / inertia.z});
+  return moving;
 }
 
 void World::applyImpulseAt(BodyId id, const Vec3& impulse, const Vec3& point) {
   impl_->requireAlive(id);
   checks::finite(impulse, "impulse");
   checks::finite(point, "point");
-  const Vec3 arm = point - impl_->bodyState(id).position;
+  const Vec3 twist = cross(point - impl_->bodyState(id).position, impulse);
+  checks::finite(twist, "angular impulse");
+  if (impl_->isDynamic(id)) {
+    // an Error after the first of two edits would leave a half
+    BodyState after = impl_->turned(id, twist);
+    after.velocity += impulse / impl_->registry.bodies[id].mass.mass;
+    validate(after, "state");
+  }
   applyImpulse(id, impulse);
-  applyAngularImpulse(id, cross(arm, impulse));
+  applyAngularImpulse(id, twist);
 }
 
 }  // namespace rubble

@@ -211,7 +211,9 @@ void World::applyForceAt(BodyId id, const Vec3& force, const Vec3& point) {
   impl_->requireAlive(id);
   checks::finite(force, "force");
   checks::finite(point, "point");
-  impl_->push(id, force, cross(point - impl_->bodyState(id).position, force));
+  const Vec3 torque = cross(point - impl_->bodyState(id).position, force);
+  checks::finite(torque, "torque");
+  impl_->push(id, force, torque);
 }
 void World::applyTorque(BodyId id, const Vec3& torque) {
   impl_->requireAlive(id);

@@ -244,6 +244,8 @@ struct World::Impl {
   /// Adds valid bodies, or none: an Error names that of `list` which cannot be made.
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const Path& list);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB);
+  /// A dynamic body after an angular impulse about its center of mass [N m s].
+  BodyState turned(BodyId id, const Vec3& angularImpulse) const;
   /// Redefines a body: as World::setDefinition.
   void redefine(BodyId id, BodyDef def);
   // The two halves of it, and likewise of joints and deformable objects: the first one throws Error for a

@@ -60,6 +60,9 @@ class Replay(Case):
         self.rubble("run", self.falling(), "--steps", "5", "--quiet", "--record-inputs", log)
         replayed = self.rubble("replay", log, "--check", "--threads", "2").stdout
         self.assertIn("5 steps, the same bits", replayed)
+        self.rubble("replay", log, "--record-inputs", self.path("again.inputs"))
+        with open(log, "rb") as first, open(self.path("again.inputs"), "rb") as second:
+            self.assertEqual(first.read(), second.read())
         with open(log, encoding="utf-8") as file:
             lines = file.read().splitlines()
         step = json.loads(lines[3])

@@ -1,9 +1,6 @@
 /// Trajectories whose chunks have right checksums and any content. The input is a list of chunks and an index
 /// of them, see Forged.
-#include <unistd.h>
-
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 
 #include <rubble/rubble.h>
@@ -13,6 +10,7 @@
 #include "io/recording.h"
 #include "io/recording_format.h"
 #include "tests/fuzz/byte_source.h"
+#include "tests/fuzz/scratch_file.h"
 #include "tests/fuzz/target.h"
 
 namespace rubble::fuzz {
@@ -95,15 +93,9 @@ void readAll(const std::string& file) {
   if (frames > 0) frameAfter(reader, reader.frame(frames - 1).step);
 }
 
-/// The name of a file that goes away with the process.
+/// What is read.
 const std::string& scratchFile() {
-  struct Scratch {
-    std::string path = (std::filesystem::temp_directory_path() /
-                        ("rubble_fuzz_" + std::to_string(::getpid()) + ".rubble"))
-                           .string();
-    ~Scratch() { std::filesystem::remove(path); }
-  };
-  static const Scratch scratch;
+  static const ScratchFile scratch(".rubble");
   return scratch.path;
 }
 

@@ -134,6 +134,14 @@ TEST(InputLog, ReplaysEveryCallToTheSameBits) {
   EXPECT_EQ(replay.hash, hash);
 }
 
+TEST(InputLog, OfAReplayHasTheSameBytes) {
+  const test::TemporaryFile file(".inputs"), again(".inputs");
+  std::uint64_t hash = 0;
+  logged(file.path, hash);
+  EXPECT_EQ(replayInputs(file.path, {.threads = 3, .record = again.path}).hash, hash);
+  EXPECT_TRUE(test::contentOf(again.path) == test::contentOf(file.path));
+}
+
 TEST(InputLog, ShowsTheFirstStepAndTableThatDiffer) {
   const test::TemporaryFile file(".inputs");
   std::uint64_t hash = 0;
@@ -181,6 +189,69 @@ TEST(InputLog, ThatIsDamagedIsAnErrorWithItsLine) {
   }
   EXPECT_THROW(replayOf({"{\"format\":\"another\"}"}), Error);
   EXPECT_THROW(replayInputs("no such file"), Error);
+}
+
+/// What a replay of the head and this line says.
+std::string faultOf(const std::vector<std::string>& lines, const std::string& line) {
+  try {
+    replayOf({lines.front(), line});
+  } catch (const Error& error) {
+    const std::size_t at = error.path().find(", line 2: ");
+    EXPECT_NE(at, std::string::npos) << error.what();
+    return error.path().substr(at + 10) + ": " + error.expected() + ", got " + error.found();
+  }
+  return "";
+}
+
+TEST(InputLog, WithACallThatCannotBeIsAnErrorWithItsLineAndItsValue) {
+  const test::TemporaryFile file(".inputs");
+  std::uint64_t hash = 0;
+  const std::vector<std::string> lines = logged(file.path, hash);
+  const auto fault = [&](const std::string& line) { return faultOf(lines, line); };
+  // whole numbers that are none, or too large
+  EXPECT_EQ(fault(R"({"call":"wake","id":[1e30,0]})"), "id: a whole number of 32 bits, got 1e+30");
+  EXPECT_EQ(fault(R"({"call":"wake","id":[0.5,0]})"), "id: a whole number of 32 bits, got 0.5");
+  EXPECT_EQ(fault(R"({"call":"wake","id":[3000000000,0]})"), "id: a whole number of 32 bits, got 3000000000");
+  EXPECT_EQ(fault(R"({"call":"wake","id":[1,-1]})"), "id: a whole number of 32 bits, got -1");
+  EXPECT_EQ(fault(R"({"call":"restore","snapshot":0})"), "snapshot: one of the 0 that were taken, got 0");
+  // lists that are too short or too long
+  EXPECT_EQ(fault(R"({"call":"wake","id":[1,0,0]})"), "id: a list of 2, got array");
+  EXPECT_EQ(fault(R"({"call":"add_joint","joint":{"type":"hinge"},"bodies":[[1,0]]})"),
+            "bodies: a list of 4, got array");
+  EXPECT_EQ(fault(R"({"call":"set_gravity","gravity":[0,0]})"), "vector: a list of 3, got array");
+  EXPECT_EQ(fault(R"({"call":"scatter","array":2,"rows":[1],"values":[1,2,3,4]})"),
+            "values: 3 numbers per row, got 4");
+  // what the world refuses
+  EXPECT_EQ(fault(R"({"call":"wake","id":[1000,0]})").substr(0, 5), "body:");
+  EXPECT_EQ(fault(R"({"call":"dance"})"), "call: one of the calls of inputs.h, got \"dance\"");
+  // what reads a line calls itself for each level
+  const std::size_t deep = 1000000;
+  EXPECT_NE(fault(R"({"call":"add_bodies","bodies":)" + std::string(deep, '[') + std::string(deep, ']') + "}")
+                .find("lists and objects within one another"),
+            std::string::npos);
+}
+
+TEST(InputLog, TakesNamesThatAreNoUnicode) {
+  const test::TemporaryFile file(".inputs");
+  const Scene scene = test::tower(1);
+  World world(scene, test::options(1));
+  InputLog log(file.path, scene, test::options(1), world);
+  world.setMaterialPair({"\xe9tain", "ice", 0.1});
+  world.step();
+  log.finish();
+  EXPECT_FALSE(replayInputs(file.path).difference);
+}
+
+TEST(InputLog, HasNoForceThatItsReplayRefuses) {
+  const test::TemporaryFile file(".inputs");
+  const Scene scene = test::tower(1);
+  World world(scene, test::options(1));
+  InputLog log(file.path, scene, test::options(1), world);
+  EXPECT_THROW(world.applyForceAt(world.bodyAt(1), {0, 1e17, 0}, {1e3, 0, 0}), Error);
+  world.applyForceAt(world.bodyAt(1), {0, 1e15, 0}, {1e2, 0, 0});
+  world.step();
+  log.finish();
+  EXPECT_FALSE(replayInputs(file.path).difference);
 }
 
 TEST(InputLog, ThatIsNotFinishedLeavesNoFile) {

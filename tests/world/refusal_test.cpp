@@ -122,6 +122,14 @@ TEST(Refusal, OfNumbersThatAreInfiniteInSinglePrecision) {
   state.velocity.x = 1e300;
   expectError("state.velocity", [&] { world.setState(body, state); });
   expectError("force", [&] { world.applyForce(body, {0, 0, -1e39}); });
+  world.setMass(body, 1e-3);
+  const std::uint64_t before = world.hash();
+  expectError("torque", [&] { world.applyForceAt(body, {0, 1e17, 0}, {1e3, 0, 0}); });
+  expectError("angular impulse", [&] { world.applyImpulseAt(body, {0, 1e17, 0}, {1e3, 0, 0}); });
+  expectError("state.velocity", [&] {
+    world.applyImpulseAt(body, {0, 1e17, 0}, world.state(body).position);
+  });
+  EXPECT_EQ(world.hash(), before);
   for (const double size : {1e-40, 1e30}) {
     state = world.state(body);
     state.orientation = {size, {0, 0, 0}};

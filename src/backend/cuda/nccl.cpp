@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include <optional>
 #include <string>
 
 #include "backend/distributed/transport.h"
@@ -31,10 +32,10 @@ struct Nccl::Library {
 };
 
 const Nccl::Library* Nccl::library() {
-  static const Library* const loaded = []() -> const Library* {
+  static const std::optional<Library> loaded = []() -> std::optional<Library> {
     void* const handle = dlopen(kName, RTLD_NOW | RTLD_LOCAL);
-    if (!handle) return nullptr;
-    static Library of;
+    if (!handle) return {};
+    Library of;
     bool all = true;
     const auto find = [&](auto*& function, const char* name) {
       function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(handle, name));
@@ -45,9 +46,9 @@ const Nccl::Library* Nccl::library() {
     find(of.commGetAsyncError, "ncclCommGetAsyncError"), find(of.send, "ncclSend");
     find(of.recv, "ncclRecv"), find(of.groupStart, "ncclGroupStart"), find(of.groupEnd, "ncclGroupEnd");
     find(of.getErrorString, "ncclGetErrorString");
-    return all ? &of : nullptr;
+    return all ? std::optional(of) : std::nullopt;
   }();
-  return loaded;
+  return loaded ? &*loaded : nullptr;
 }
 
 bool Nccl::found() { return library() != nullptr; }

@@ -13,7 +13,13 @@ struct RankProcesses {
   std::function<std::unique_ptr<Transport>(double timeout)> transport = {};
 };
 
-/// Set by what started the processes (rubble/mpi.h).
-RankProcesses& rankProcesses();
+// The one record that all threads of a process share. Each call holds its lock.
+
+/// Those that share worlds with this process, as joined; of count 1 without.
+RankProcesses rankProcesses();
+/// Throws Error if they were joined and not left: a process has one SocketRanks or MpiRanks at a time.
+void requireNoProcesses();
+void joinProcesses(RankProcesses processes);
+void leaveProcesses();
 
 }  // namespace rubble

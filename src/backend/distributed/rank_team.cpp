@@ -104,7 +104,7 @@ void RankTeam::step(StepReport& report) {
 }
 
 std::unique_ptr<Engine> makeDistributedEngine(const RankOptions& ranks, const CpuOptions& cpu) {
-  const RankProcesses& processes = rankProcesses();
+  const RankProcesses processes = rankProcesses();
   if (!ranks.devices.empty()) {
     if (!cudaReady()) throw Error("ranks.devices", "a machine and a build with CUDA", cudaStatus());
     if (!processes.transport) return makeCudaTeam(ranks, cpu.timings);

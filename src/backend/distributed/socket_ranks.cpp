@@ -251,14 +251,15 @@ bool SocketRanks::launched() {
 }
 
 SocketRanks::SocketRanks(double timeout) : impl_(std::make_unique<Impl>()) {
+  requireNoProcesses();
   impl_->connect(timeout);
-  rankProcesses() = {impl_->count, [impl = impl_.get()](double longest) {
-                       return std::make_unique<SocketTransport>(impl->links, impl->rank, longest);
-                     }};
+  joinProcesses({impl_->count, [impl = impl_.get()](double longest) {
+                   return std::make_unique<SocketTransport>(impl->links, impl->rank, longest);
+                 }});
 }
 
 SocketRanks::~SocketRanks() {
-  rankProcesses() = {};
+  leaveProcesses();
   // what others still read would be lost if this end closed with bytes of theirs unread
   constexpr double kLongest = 5;  // [s]
   const Deadline deadline(kLongest);

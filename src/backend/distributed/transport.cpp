@@ -2,13 +2,48 @@
 
 #include <algorithm>
 #include <chrono>
+#include <mutex>
+#include <utility>
+
+#include <rubble/error.h>
+
 #include "backend/distributed/rank_processes.h"
 
 namespace rubble {
 
-RankProcesses& rankProcesses() {
-  static RankProcesses processes;
-  return processes;
+namespace {
+
+/// MPI has one world per process, and a launcher one set of variables, so the record is that of the process.
+struct SharedProcesses {
+  std::mutex mutex;
+  RankProcesses processes;
+};
+SharedProcesses& shared() {
+  static SharedProcesses record;
+  return record;
+}
+void requireNone(const SharedProcesses& all) {
+  if (all.processes.transport) throw Error("ranks", "one SocketRanks or MpiRanks at a time", "another");
+}
+
+}  // namespace
+
+RankProcesses rankProcesses() {
+  const std::scoped_lock lock(shared().mutex);
+  return shared().processes;
+}
+void requireNoProcesses() {
+  const std::scoped_lock lock(shared().mutex);
+  requireNone(shared());
+}
+void joinProcesses(RankProcesses processes) {
+  const std::scoped_lock lock(shared().mutex);
+  requireNone(shared());
+  shared().processes = std::move(processes);
+}
+void leaveProcesses() {
+  const std::scoped_lock lock(shared().mutex);
+  shared().processes = {};
 }
 
 template <class F> void Transport::timed(F&& f) {

@@ -106,15 +106,16 @@ bool MpiRanks::launched() {
 }
 
 MpiRanks::MpiRanks() {
+  requireNoProcesses();
   int level = 0;
   if (MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &level) != MPI_SUCCESS)
     throw Error("MPI cannot be initialized");
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_), MPI_Comm_size(MPI_COMM_WORLD, &count_);
-  rankProcesses() = {count_, [](double timeout) { return std::make_unique<MpiTransport>(timeout); }};
+  joinProcesses({count_, [](double timeout) { return std::make_unique<MpiTransport>(timeout); }});
 }
 
 MpiRanks::~MpiRanks() {
-  rankProcesses() = {};
+  leaveProcesses();
   MPI_Finalize();
 }
 
