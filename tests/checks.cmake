@@ -70,8 +70,8 @@ if(RUBBLE_CHECKS)
   endif()
   find_program(RUBBLE_CLANG clang++)
   if(RUBBLE_CLANG)
-    # Clang, with its warnings and its bits: what it builds is fuzzed for 45 s a target, always by the same seed
-    rubble_add_build(fuzz-fast heavy tools/fuzz --fast --seconds 45 --seed 1)
+    # Clang, with its warnings and its bits: what it builds is fuzzed for a minute a target, always by the same seed
+    rubble_add_build(fuzz-fast heavy tools/fuzz --fast --seconds 60 --seed 1)
     rubble_add_check(golden.clang heavy build/fuzz-fast/tests/test_golden --gtest_brief=1)
     set_tests_properties(check.golden.clang PROPERTIES FIXTURES_REQUIRED fuzz-fast)
     rubble_add_build(tsan long ${CMAKE_CTEST_COMMAND} --test-dir build/tsan --output-on-failure)

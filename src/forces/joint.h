@@ -243,7 +243,7 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
   Real error[P::kRows];
   P::constraint(spec.data, joint.memory, a, b, error);
   const Real inertia = lighter(bodies[0], bodies[1], [&](const JointBody& body, int side) {
-    return rowInertia(body, P::kUnit, lengthSquared(leverOf(spec.data, Quat{}, side)));
+    return rowInertia(body, P::kUnit, lengthSquared(localLever(spec.data, side)));
   });
   const Real damping = own.damping * c.inverseDt;
   const bool hard = own.stiffness >= kHardValue, friction = own.mode == GroupMode::Friction,
@@ -260,8 +260,8 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
   // a new row of finite stiffness starts with its elastic load at x^t
   const bool isNew = !(state.k > Real(0)), isLoaded = isNew && !hard && !friction;
   Real size = 1, size2 = 0;
-  if (P::kUnit == RowUnit::Linear)
-    size = joint.length + length(leverOf(spec.data, Quat{}, 0)) + length(leverOf(spec.data, Quat{}, 1));
+  if (P::kUnit == RowUnit::Linear && isLoaded)
+    size = joint.length + length(localLever(spec.data, 0)) + length(localLever(spec.data, 1));
   for (int i = 0; i < P::kRows; ++i) {
     rows.lambda[i] = ramp       ? Real(0)
                      : isLoaded ? own.stiffness * beyondRoundOff(error[i], size)

@@ -27,9 +27,16 @@ RUBBLE_HD inline Real axisInertia(const JointBody& body, const Quat& q, const Ve
   return (dot(local, mul(body.inertia, local)) / a2 + body.mass * lengthSquared(cross(j.ang, r)) / a2) / a2;
 }
 
+/// Anchor of a joint in the frame of a body.
+template <class D> RUBBLE_HD Vec3 localLever(const D& d, int side) {
+  if constexpr (requires { d.anchorA; })
+    return side == 0 ? d.anchorA : d.anchorB;
+  else
+    return {0, 0, 0};
+}
 template <class D> RUBBLE_HD Vec3 leverOf(const D& d, const Quat& q, int side) {
   if constexpr (requires { d.anchorA; })
-    return rotate(q, side == 0 ? d.anchorA : d.anchorB);
+    return rotate(q, localLever(d, side));
   else
     return {0, 0, 0};
 }

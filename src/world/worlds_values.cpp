@@ -124,9 +124,9 @@ template <class Own> class WorldValues {
   std::vector<Named> ofMaterial(const std::string& name) const {
     std::vector<Named> all;
     for (const BodyId id : world_.bodies())
-      if (world_.definition(id).material.name == name) all.push_back(id);
+      if (world_.definition(id).material.name == name) all.emplace_back(id);
     for (const DeformableId id : world_.deformables())
-      if (common(world_.definition(id)).material.name == name) all.push_back(id);
+      if (common(world_.definition(id)).material.name == name) all.emplace_back(id);
     if (all.empty())
       throw Error("material", "the name of the material of a body or object", "\"" + name + "\"");
     return all;
