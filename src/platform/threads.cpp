@@ -10,6 +10,7 @@
 #include "platform/crew.h"
 
 #if defined(RUBBLE_HAS_TBB)
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
@@ -129,24 +130,28 @@ void runTogether(Crew& crew, int wanted, FunctionRef<void(int)> work) {
 }  // namespace
 
 #if defined(RUBBLE_HAS_TBB)
-/// Members are tasks of oneTBB.
+/// Members are tasks of oneTBB. It is not asked for more threads than there are cores: it would have none,
+/// and say so on standard error.
 struct Threads::Pool {
-  explicit Pool(int count) : arena(count > 0 ? count : tbb::task_arena::automatic) {}
-  int count() const { return arena.max_concurrency(); }
+  explicit Pool(int count)
+      : arena(count > 0 ? std::min(count, tbb::info::default_concurrency()) : tbb::task_arena::automatic),
+        members(count > 0 ? count : arena.max_concurrency()) {}
+  int count() const { return members; }
   void run(FunctionRef<void(Crew&)> f) {
     arena.execute([&] {
-      tbb::task_group members;
-      const auto call = [&](Crew& crew, int k) { members.run([&crew, k] { crew.serve(k); }); };
+      tbb::task_group tasks;
+      const auto call = [&](Crew& crew, int k) { tasks.run([&crew, k] { crew.serve(k); }); };
       Crew crew(count(), call);
       struct End {
-        tbb::task_group& members;
+        tbb::task_group& tasks;
         Crew& crew;
-        ~End() { crew.dismiss(), members.wait(); }
-      } const end{members, crew};
+        ~End() { crew.dismiss(), tasks.wait(); }
+      } const end{tasks, crew};
       f(crew);
     });
   }
   tbb::task_arena arena;
+  const int members;
 };
 #else
 struct Threads::Pool {

@@ -103,6 +103,10 @@ class Usage(Case):
         self.assertEqual(done.returncode, 2)
         self.assertIn("rubble: ", done.stderr)
 
+    def test_more_threads_than_cores_say_nothing(self):
+        done = self.rubble("run", "tower", "--steps", "3", "--threads", str(os.cpu_count() + 3))
+        self.assertNotIn("arning", done.stderr)
+
     def test_threads_have_a_bound(self):
         self.refused("run", "pyramid", "--steps", "1", "--threads", "1000000", says="threads: expected a number from 0 to 1024")
 
