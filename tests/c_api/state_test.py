@@ -9,6 +9,7 @@ import sys
 # Each has its line in docs/embedding.md.
 STATE = {
     "rubble::(anonymous namespace)::shared()::record": "processes that share worlds, under a lock",
+    "rubble::render::(anonymous namespace)::displayUses()::uses": "contexts of EGL displays, under a lock",
     "rubble::(anonymous namespace)::loopsHere()::here": "what runs the loops of a thread, during a call",
     "rubble::c::(anonymous namespace)::lastError()::error": "the last error of a thread",
     "rubble::c::keepText(std::string)::kept": "the last text that a thread was given",
