@@ -5,12 +5,12 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include "platform/crew.h"
 
 #if defined(RUBBLE_HAS_TBB)
-#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
@@ -134,8 +134,10 @@ void runTogether(Crew& crew, int wanted, FunctionRef<void(int)> work) {
 /// and say so on standard error.
 struct Threads::Pool {
   explicit Pool(int count)
-      : arena(count > 0 ? std::min(count, tbb::info::default_concurrency()) : tbb::task_arena::automatic),
+      : arena(count > 0 ? std::min(count, cores()) : tbb::task_arena::automatic),
         members(count > 0 ? count : arena.max_concurrency()) {}
+  /// tbb::info needs memory to count them, and waits for ever where that has failed once.
+  static int cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
   int count() const { return members; }
   void run(FunctionRef<void(Crew&)> f) {
     arena.execute([&] {
