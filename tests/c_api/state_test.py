@@ -36,14 +36,15 @@ def is_constant(name):
     """Does each declaration of this variable in the sources say const?"""
     own = re.escape(re.sub(r"<.*>$", "", name).rsplit("::", 1)[-1])
     lines = [line for line in code if re.search(rf"[\w>\]*&)] {own}(\[\w*\])*( =|;|\{{|$)", line)]
-    declared = [line for line in lines if re.match(r"(inline |static |thread_local |extern )*const(expr|init)? ", line) or
-                re.match(r"static |thread_local |inline ", line)]
+    declares = re.compile(r"(static|thread_local|inline|extern|const|constexpr) ")
+    declared = [line for line in lines if declares.match(line)]
     return bool(declared) and all(re.search(r"\bconst(expr)?\b", line) for line in declared)
 
 
 library, root = sys.argv[1], pathlib.Path(sys.argv[2])
 code = [line.strip() for folder in FOLDERS for path in sorted((root / folder).rglob("*"))
-        if path.suffix in {".h", ".cpp", ".cu", ".cuh"} for line in path.read_text(encoding="utf-8").splitlines()]
+        if path.suffix in {".h", ".cpp", ".cu", ".cuh"}
+        for line in path.read_text(encoding="utf-8").splitlines()]
 try:
     found = sorted(set(writable()))
 except FileNotFoundError:
