@@ -27,10 +27,10 @@ def index_of(name: str, names: tuple[str, ...] = NAMES) -> int:
 
 
 class _Source:
-    """What numpy reads an interface of."""
+    """What numpy reads an interface of. An array that views it keeps `owner` alive."""
 
-    def __init__(self, interface: dict[str, Any]) -> None:
-        self.__array_interface__ = interface
+    def __init__(self, interface: dict[str, Any], owner: Any = None) -> None:
+        self.__array_interface__, self._owner = interface, owner
 
 
 class _Exchanged:
@@ -131,13 +131,16 @@ class DeviceArray(_Exchanged):
 
 
 def read_array(call: Any, owner: Any, which: int, functions: Functions = WORLD) -> Any:
-    """What call(owner, which, array) describes: a copy of host memory, or a `DeviceArray`."""
+    """What call(owner, which, array) describes: a read-only numpy view, or a `DeviceArray`."""
     view = _abi.Array()
     check(call(owner.pointer, which, ctypes.byref(view)))
-    return _given(view, owner, functions)
+    if view.device or not view.data:
+        return answer_of(view, owner, functions)
+    return np.asarray(_Source(_host_interface(view), owner))
 
 
-def _given(view: _abi.Array, owner: Any, functions: Functions) -> Any:
+def answer_of(view: _abi.Array, owner: Any, functions: Functions = WORLD) -> Any:
+    """The array of an answer to a query: a copy of host memory, or a `DeviceArray`."""
     if view.device:
         return DeviceArray(owner, view, functions)
     return _copy_of(view) if view.data else np.empty(tuple(view.shape), view.typestr.decode())
@@ -146,7 +149,7 @@ def _given(view: _abi.Array, owner: Any, functions: Functions) -> Any:
 def cast_arrays(call: Any, owner: Any, given: dict[str, Any], max_distance: float, filter: Any,
                 functions: Functions = WORLD) -> list[Any]:
     """call(owner, worlds, rays, hits) with "origins", "directions" and "worlds", or None, of `given`. Returns
-    distances, bodies and normals as `read_array` does."""
+    distances, bodies and normals as `answer_of` does."""
     keep: list[Any] = []
     used: list[Any] = []
     device = functools.partial(device_of, functions, owner.pointer)
@@ -161,7 +164,7 @@ def cast_arrays(call: Any, owner: Any, given: dict[str, Any], max_distance: floa
     worlds = views["worlds"]
     check(call(owner.pointer, None if worlds is None else ctypes.byref(worlds), ctypes.byref(rays),
                ctypes.byref(hits)))
-    return [_given(view, owner, functions) for view in (hits.distances, hits.bodies, hits.normals)]
+    return [answer_of(view, owner, functions) for view in (hits.distances, hits.bodies, hits.normals)]
 
 
 def write_rows(call: Any, owner: Any, which: int, rows: Any, values: Any,
@@ -300,8 +303,8 @@ class StateArrays:
             name: "position", "speed", "drive_force", "limit_force", "friction_force", "lower_limit",
                 "upper_limit", "target_position" or "target_speed", in [m], [rad], [N], [N m].
         Returns:
-            (axes, 1): a copy, or a `DeviceArray` with the backend "cuda". Forces act on body A along the
-            axis.
+            (axes, 1): a read-only view that the next call for the same array writes to, or a `DeviceArray`
+            with the backend "cuda". Forces act on body A along the axis.
         """
         return read_array(lib.rb_world_joint_array, self._owner, index_of(name, JOINT_NAMES))
 
@@ -313,8 +316,7 @@ class StateArrays:
                 "acceleration" (3, less gravity, body axes [m/s2]), "angular_rate" (3, body axes [rad/s]).
                 By joint: "joint_force" (3 [N]), "joint_torque" (3 [N m]), on body B, world axes.
         Returns:
-            (rows, numbers): a copy, or a `DeviceArray` with the backend "cuda". Body axes are those of
-            `orientations`.
+            (rows, numbers), as `joint_array`. Body axes are those of `orientations`.
         """
         return read_array(lib.rb_world_sensor_array, self._owner, index_of(name, SENSOR_NAMES))
 
@@ -324,8 +326,7 @@ class StateArrays:
         Args:
             name: "position" [m] or "velocity" [m/s].
         Returns:
-            (vertices, 3): a copy, or a `DeviceArray` with the backend "cuda". Those of an object begin at row
-            ``object.first_vertex``.
+            (vertices, 3), as `joint_array`. Those of an object begin at row ``object.first_vertex``.
         """
         return read_array(lib.rb_world_vertex_array, self._owner, index_of(name, VERTEX_NAMES))
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Optional
 import numpy as np
 
 from . import _abi
-from ._arrays import cast_arrays, read_array
+from ._arrays import answer_of, cast_arrays
 from ._bodies import Body, Vector
 from ._library import check, encode, lib, list_of, matrix, structs
 from ._shapes import Definition, ShapeHandle
@@ -219,9 +219,9 @@ class Queries:
         [N]: (n, 3), a copy, or a `DeviceArray` with the backend "cuda"."""
         ids = np.array([body.id for pair in pairs for body in pair], np.dtype(_abi.BodyId))
 
-        def call(pointer: Any, which: int, array: Any) -> int:
-            return lib.rb_world_contact_forces(pointer, ids.ctypes.data, len(ids) // 2, array)
-        return read_array(call, self._owner, 0)
+        forces = _abi.Array()
+        check(lib.rb_world_contact_forces(self._pointer, ids.ctypes.data, len(ids) // 2, ctypes.byref(forces)))
+        return answer_of(forces, self._owner)
 
     def debug_draw(self, **options: Unpack[DrawOptions]) -> DebugDraw:
         """The world as colored primitives, for a renderer of the caller.

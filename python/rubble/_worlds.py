@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 import numpy as np
 
 from . import _abi
-from ._arrays import (JOINT_NAMES, SENSOR_NAMES, VERTEX_NAMES, cast_arrays, index_of, read_array,
-                      write_rows)
+from ._arrays import (JOINT_NAMES, SENSOR_NAMES, VERTEX_NAMES, answer_of, cast_arrays, index_of,
+                      read_array, write_rows)
 from ._exchange import WORLDS
 from ._film import in_notebook
 from ._library import Handle, check, encode, invalid, json_of, lib, matrix
@@ -140,13 +140,14 @@ class Worlds:
         return np.frombuffer(ctypes.string_at(address, 4 * count.value), np.int32)
 
     def array(self, name: str) -> np.ndarray:
-        """A state array of the bodies of all worlds: a copy, or a `DeviceArray` with the backend "cuda".
+        """A state array of the bodies of all worlds.
 
         Args:
             name: "position", "orientation", "velocity", "angular_velocity", "force" or "torque".
         Returns:
             (rows, numbers). Body k of world w is row ``rows(w)[k]``. Worlds of one scene have
-            ``array(name).reshape(len(worlds), -1, numbers)``.
+            ``array(name).reshape(len(worlds), -1, numbers)``. A read-only numpy view, or a `DeviceArray` with
+            the backend "cuda". The next call for the same array writes to the same memory: copy what lasts.
         """
         return read_array(lib.rb_worlds_array, self._handle, index_of(name), WORLDS)
 
@@ -204,9 +205,10 @@ class Worlds:
         """
         rows = np.ascontiguousarray(pairs, dtype=np.int32).reshape(-1, 2)
 
-        def call(pointer: Any, which: int, array: Any) -> int:
-            return lib.rb_worlds_contact_forces(pointer, rows.ctypes.data, len(rows), array)
-        return read_array(call, self._handle, 0, WORLDS)
+        forces = _abi.Array()
+        check(lib.rb_worlds_contact_forces(self._handle.pointer, rows.ctypes.data, len(rows),
+                                           ctypes.byref(forces)))
+        return answer_of(forces, self._handle, WORLDS)
 
     def cast_rays(self, worlds: Any, origins: Any, directions: Any, max_distance: float = 1e6,
                   **filter: Unpack[FilterFields]) -> np.ndarray:

@@ -101,7 +101,7 @@ struct Bounds {
 struct NeighborSearch {
   Vec3 center;             ///< of its bounds, or the position of a plane [m]
   int layer;               ///< of its grid entry; negative: it had none
-  Vec3 half;               ///< of its bounds with the slack of the search [m], or the normal of a plane
+  Vec3 half;               ///< of its bounds with the slack of that search [m], or the normal of a plane
   int bodies;              ///< SolverData::bodies
   int found;               ///< neighbors that it owns; more than kPairSlots: they are searched in each step
   std::uint32_t partners;  ///< bit k: slot k is a partner in this step
@@ -306,6 +306,7 @@ struct Counters {
   int pairs, activePairs, manifolds, incidences, colors;
   int pathCells;  ///< buckets that store long paths: all of the grid, or none
   int searched;   ///< 1: neighbors are searched in this step
+  int restless;   ///< 1: a body moves so far that a search in this step would not last
   int contacts, recycled, newPairs, tested;
   int aggregates, slices, boundary;
   int clashing, clashes, rounds;  ///< nodes that need a new color, color conflicts left, and coloring rounds

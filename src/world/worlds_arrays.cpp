@@ -18,16 +18,20 @@ ArrayView Worlds::Impl::gather(auto which, std::vector<std::byte>& to) {
       flush(k);
     views[k] = batches[k]->engine().array(which);
   });
-  if (!views.empty() && views.front().device) return views.front();
+  if (views.size() == 1 || (!views.empty() && views.front().device)) return views.front();
   ArrayView all;
-  to.clear();
+  std::vector<std::size_t> begin{0};  // [bytes]
   for (const ArrayView& view : views) {
-    const auto* from = static_cast<const std::byte*>(view.data);
-    to.insert(to.end(), from, from + view.shape[0] * view.strides[0]);
+    begin.push_back(begin.back() + static_cast<std::size_t>(view.shape[0] * view.strides[0]));
     const std::int64_t rows = all.shape[0] + view.shape[0];
     all = view;
     all.shape[0] = rows;
   }
+  to.resize(begin.back());
+  forEachBatch([&](std::size_t k) {
+    const auto* from = static_cast<const std::byte*>(views[k].data);
+    std::copy_n(from, begin[k + 1] - begin[k], to.begin() + static_cast<std::ptrdiff_t>(begin[k]));
+  });
   all.data = to.data();
   return all;
 }

@@ -99,7 +99,7 @@ struct Worlds::Impl {
   void listBreaks(WorldsReport& report, std::span<const char> active);
   /// As Worlds::reset.
   void reset(std::span<const int> list, std::span<const Snapshot> snapshots);
-  /// The arrays of all batches as one: a copy, unless they are on a device.
+  /// The arrays of all batches as one: gathered in `to` where there are several.
   ArrayView gather(auto which, std::vector<std::byte>& to);
   ArrayView contactForces(std::span<const std::array<int, 2>> rows);
   std::vector<RayHit> castRays(std::span<const WorldRay> rays);

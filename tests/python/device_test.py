@@ -1,5 +1,5 @@
 """Arrays and environments on a GPU."""
-from support import Case, crate_scene, crate_world  # first: it skips the test where numpy is missing
+from support import Case, crate_scene, crate_world, lift_cubes  # first: it skips the test where numpy is missing
 
 import contextlib
 import gc
@@ -382,6 +382,15 @@ class DeviceEnvironments(Case):
                     found.append((observations, rewards, again))
                 for cpu, cuda in zip(*found):
                     np.testing.assert_allclose(cuda, cpu, rtol=0.02, atol=0.02)
+
+    def test_nothing_is_dropped_where_12288_hands_grasp(self):
+        found = []
+        for count in (50, 12288):
+            env = gym.make("lift-cube", count, backend="cuda")
+            heights = lift_cubes(env, 250)
+            self.assertTrue((heights > 0.1).all(), f"{(heights <= 0.1).sum()} of {count} cubes fell")
+            found.append([env.worlds[w].hash() for w in range(50)])
+        self.assertEqual(*found)
 
 
 unittest.main()

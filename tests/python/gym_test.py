@@ -1,5 +1,5 @@
 """Environments for Gymnasium."""
-from support import Case  # first: it skips the test where numpy is missing
+from support import Case, lift, lift_cubes  # first: it skips the test where numpy is missing
 
 import sys
 import unittest
@@ -22,19 +22,6 @@ def bits(env):
 def hand_cart(observations):
     """A linear law that balances the pole."""
     return (observations @ np.array([0.1, 0.3, 10, 2]) > 0).astype(int)
-
-
-def lift(way, held):
-    """Actions of a hand that goes over a thing, down to it, closes and rises.
-
-    `way` (n, 3): from the hand to where it is to grasp [m]; `held` (n,).
-    """
-    above = np.abs(way[:, :2]).max(axis=1) > 0.008
-    grasp = ~above & (np.abs(way[:, 2]) < 0.012)
-    action = np.clip(20 * np.concatenate([way, np.zeros((len(way), 1))], axis=1), -1, 1)
-    action[above, 2], action[:, 3] = 0, np.where(grasp, 1, -1)
-    action[held] = (0, 0, 0.5, 1)
-    return action
 
 
 class Environments(Case):
@@ -132,12 +119,7 @@ class Environments(Case):
 
     def test_a_controller_lifts_the_cube(self):
         env = gym.make("lift-cube", 6, threads=1)
-        observations, _ = env.reset(seed=4)
-        for k in range(250):
-            held = (observations[:, 8:10] > 0.1).all(axis=1)
-            action = lift(observations[:, 10:13] + (0, 0, 0.02 + 0.07 / 2), held)
-            observations, rewards, _, _, _ = env.step(action)
-        heights = env.states("position", "cube")[:, 2]
+        heights = lift_cubes(env, 250)
         self.assertTrue((heights > 0.1).all(), str(heights))
 
     def test_a_controller_lifts_the_soft_block_and_squeezes_it(self):

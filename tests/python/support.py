@@ -24,6 +24,29 @@ def crate_world(**options):
     return rubble.World(crate_scene(), threads=1, **options)
 
 
+def lift(way, held):
+    """Actions of a hand that goes over a thing, down to it, closes and rises.
+
+    `way` (n, 3): from the hand to where it is to grasp [m]; `held` (n,).
+    """
+    above = np.abs(way[:, :2]).max(axis=1) > 0.008
+    grasp = ~above & (np.abs(way[:, 2]) < 0.012)
+    action = np.clip(20 * np.concatenate([way, np.zeros((len(way), 1))], axis=1), -1, 1)
+    action[above, 2], action[:, 3] = 0, np.where(grasp, 1, -1)
+    action[held] = (0, 0, 0.5, 1)
+    return action
+
+
+def lift_cubes(env, steps):
+    """Lifts the cubes of a "lift-cube" environment and returns their heights (n,) [m]."""
+    observations, _ = env.reset(seed=4)
+    for _ in range(steps):
+        held = (observations[:, 8:10] > 0.1).all(axis=1)
+        action = lift(observations[:, 10:13] + (0, 0, 0.02 + 0.07 / 2), held)
+        observations, *_ = env.step(action)
+    return env.states("position", "cube")[:, 2]
+
+
 class Case(unittest.TestCase):
     def assertNear(self, found, wanted, tolerance=1e-9):
         np.testing.assert_allclose(found, wanted, rtol=0, atol=tolerance)

@@ -1,6 +1,8 @@
 """Many worlds in one engine."""
 from support import Case, crate_scene, main  # first: it skips the test where numpy is missing
 
+import gc
+
 import numpy as np
 import rubble
 
@@ -49,6 +51,21 @@ class ManyWorlds(Case):
         worlds.scatter("velocity", rows, [(w, 0, 0) for w in range(3)])
         worlds.step()
         self.assertNear(worlds.array("velocity")[rows][:, 0], range(3), 1e-6)
+
+    def test_arrays_are_views_that_keep_their_worlds(self):
+        for count in (3, 70):  # in one set of tables, and in several
+            worlds = crates(count)
+            views = [worlds.array("position"), worlds.array("force"), worlds.sensor_array("touch")]
+            self.assertFalse(any(view.flags.writeable for view in views))
+            worlds.step(10)
+            latest = worlds.array("position")
+            self.assertEqual(latest.ctypes.data, views[0].ctypes.data)
+            self.assertLess(views[0].reshape(count, -1, 3)[-1, 1, 2], 2)
+            forces = worlds.contact_forces([worlds.rows(0)[:2]])
+            del worlds, views
+            gc.collect()
+            self.assertLess(latest.reshape(count, -1, 3)[-1, 1, 2], 2)
+            self.assertTrue(forces.flags.writeable)  # answers to queries are copies
 
     def test_actuators_have_a_row_of_controls_for_each_world(self):
         scene = rubble.Scene(gravity=(0, 0, 0))

@@ -24,6 +24,13 @@ class Twins {
     return lasting_.view().counters->searched != 0;
   }
   int found() const { return found_; }
+  /// What the last search that lasts has found.
+  int neighbors() {
+    const SolverData& s = lasting_.view();
+    int count = 0;
+    for (int i = 0; i < s.bodies; ++i) count += s.neighborSearch[i].found;
+    return count;
+  }
 
  private:
   CoreWorld lasting_, always_;
@@ -96,6 +103,26 @@ TEST(LastingSearch, LastsUntilABodyLeavesTheBoxOfItsSearch) {
   for (int step = 0; step < 5; ++step) EXPECT_FALSE(move(.001));
   EXPECT_TRUE(move(.2));
   EXPECT_FALSE(move(0));
+}
+
+TEST(LastingSearch, HasNoSlackWhileABodyMovesFar) {
+  Twins twins;
+  twins.both([](CoreWorld& world) {
+    for (int i = 0; i < 20; ++i) world.add(sphereAt({1.06 * i, 0, 0}, .5));
+    world.finish();
+  });
+  EXPECT_TRUE(twins.find());
+  const int still = twins.neighbors();
+  EXPECT_FALSE(twins.find());
+  for (const float speed : {4.F, 0.F}) {
+    twins.both([&](CoreWorld& world) { world.view().velocity[3] = {0, speed, 0}; });
+    EXPECT_TRUE(twins.find());
+    if (speed > 0)
+      EXPECT_LT(twins.neighbors(), still);
+    else
+      EXPECT_EQ(twins.neighbors(), still);
+  }
+  EXPECT_FALSE(twins.find());
 }
 
 }  // namespace

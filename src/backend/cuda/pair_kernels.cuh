@@ -62,9 +62,9 @@ class NeighborsOfWorlds {
     if (isLongLevel(b.level)) return;
     for (int k = s.bodiesBegin(world); k < s.bodiesEnd(world); ++k)
       if (const Box box = boxes[k - begin];
-          box.level >= 0 && isAhead(i, b, k, box.level) && boundsTouch(box, searchBox(b, box.level)))
+          box.level >= 0 && isAhead(i, b, k, box.level) && boundsTouch(box, searchBox(s, b, box.level)))
         storeNeighbor(s, i, k, false);
-    searchPlanes(s, world, searchBox(b, b.level), [&](int plane) { storeNeighbor(s, i, plane, false); });
+    searchPlanes(s, world, searchBox(s, b, b.level), [&](int plane) { storeNeighbor(s, i, plane, false); });
   }
 
  private:

@@ -151,8 +151,8 @@ RUBBLE_HD inline bool isAhead(int i, const Bounds& b, int other, int level) {
 /// What a search for neighbors looks for: those whose boxes touch, or with the slack of a lasting search.
 enum class Reach { Touching, Lasting };
 /// The box in which a body with the bounds `b` searches a level.
-template <Reach kReach> RUBBLE_HD Bounds boxFor(const Bounds& b, int level) {
-  return kReach == Reach::Lasting ? searchBox(b, level) : b;
+template <Reach kReach> RUBBLE_HD Bounds boxFor(const SolverData& s, const Bounds& b, int level) {
+  return kReach == Reach::Lasting ? searchBox(s, b, level) : b;
 }
 
 /// found(other, otherOwns) for the neighbors of body i if neither has a long path: in its own level those
@@ -164,16 +164,16 @@ RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane 
   if (isLongLevel(b.level)) return;
   const int world = s.worldOf(i);
   const auto scan = [&](int other, const Bounds& its) {
-    if (isAhead(i, b, other, its.level) && boundsTouch(its, boxFor<kReach>(b, its.level)))
+    if (isAhead(i, b, other, its.level) && boundsTouch(its, boxFor<kReach>(s, b, its.level)))
       found(other, false);
   };
   const bool scanned = scanWorld(s, world, scan, lane, lanes);
   for (int level = b.level; !scanned && level < kGridSizes; ++level)
     searchLevel(
-        s, i, boxFor<kReach>(b, level), level, level == b.level ? kAhead : Ahead::All,
+        s, i, boxFor<kReach>(s, b, level), level, level == b.level ? kAhead : Ahead::All,
         [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
   searchPlanes(
-      s, world, boxFor<kReach>(b, b.level), [&](int plane) { found(plane, false); }, lane, lanes);
+      s, world, boxFor<kReach>(s, b, b.level), [&](int plane) { found(plane, false); }, lane, lanes);
 }
 /// The same if one of the two has a long path.
 template <Ahead kAhead, class Found>

@@ -1,7 +1,8 @@
 #pragma once
 /// A search for neighbors lasts several steps. Bodies are searched for with some slack around their boxes,
 /// and what was found holds until a box leaves the one of its search. Which neighbors touch is found in each
-/// step, so pairs do not depend on when the last search was.
+/// step, so pairs do not depend on when the last search was. While something moves so far that a search would
+/// not last, searches have no slack.
 #include "stages/pairs/grid.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -13,10 +14,23 @@ inline constexpr Real kSearchSlack = Real(1) / 16;
 RUBBLE_HD inline Real searchSlack(int level) { return kSearchSlack * cellSize(level); }
 /// Share of the slack that a box must keep to the one of its search: far more than round-off [1].
 inline constexpr Real kSlackKept = Real(.25);
+/// Steps that a search must last to be worth its slack.
+inline constexpr Real kLeastSteps = 4;
+
+/// Does body i move so far in a step that a search would not last?
+RUBBLE_HD inline bool isRestless(const SolverData& s, int i) {
+  const Bounds& b = s.bounds[i];
+  return b.level >= 0 && kLeastSteps * longestSide(b.path) > searchSlack(b.level);
+}
+/// Slack of the search in this step, for a level [m].
+RUBBLE_HD inline Real slackNow(const SolverData& s, int level) {
+  const bool lasts = !s.searchesAlways && s.counters->pathCells == 0 && s.counters->restless == 0;
+  return lasts ? searchSlack(level) : Real(0);
+}
 
 /// The box in which a body with the bounds `b` searches the bodies of a level.
-RUBBLE_HD inline Bounds searchBox(const Bounds& b, int level) {
-  const Real slack = searchSlack(b.level) + searchSlack(level);
+RUBBLE_HD inline Bounds searchBox(const SolverData& s, const Bounds& b, int level) {
+  const Real slack = slackNow(s, b.level) + slackNow(s, level);
   Bounds box = b;
   box.half += Vec3{slack, slack, slack};
   return box;
@@ -29,7 +43,7 @@ inline constexpr int kOutside = -1, kPlanes = -2;
 RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i) {
   const Bounds& b = s.bounds[i];
   if (b.level >= 0) {
-    const Real slack = searchSlack(b.level);
+    const Real slack = slackNow(s, b.level);
     return {b.center, layerOf(s.worldOf(i), b.level), b.half + Vec3{slack, slack, slack}, s.bodies, 0, 0};
   }
   const BodyParams& p = s.params[i];
@@ -54,14 +68,15 @@ RUBBLE_HD inline bool searchHolds(const SolverData& s, int i) {
   return way.x <= then.half.x - kept && way.y <= then.half.y - kept && way.z <= then.half.z - kept;
 }
 
-/// Finds out whether neighbors are searched in this step: if the last search does not hold for a body, or if
-/// a path is long.
+/// Finds out whether neighbors are searched in this step, if the last search does not hold for a body or a
+/// path is long; and whether that search can last.
 struct CheckNeighbors {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    int& searched = s.counters->searched;
+    int &searched = s.counters->searched, &restless = s.counters->restless;
     if (atomicLoad(&searched) == 0 && (s.searchesAlways || s.counters->pathCells > 0 || !searchHolds(s, i)))
       atomicRaise(&searched, 1);
+    if (atomicLoad(&restless) == 0 && isRestless(s, i)) atomicRaise(&restless, 1);
   }
 };
 
