@@ -95,19 +95,8 @@ struct Rows {
     if (values.size() != rows.size() * static_cast<std::size_t>(columns))
       throw Error("values", std::to_string(columns) + " numbers per row", std::to_string(values.size()));
   }
-  ArrayView rowView() const { return viewOf(rows, 1, "<i4"); }
-  ArrayView valueView() const { return viewOf(values, columns, "<f8"); }
-
- private:
-  template <class T>
-  static ArrayView viewOf(const std::vector<T>& content, std::int64_t columns, const char* type) {
-    ArrayView view;
-    view.data = content.data();
-    view.shape[0] = static_cast<std::int64_t>(content.size()) / columns, view.shape[1] = columns;
-    view.strides[0] = columns * static_cast<std::int64_t>(sizeof(T)), view.strides[1] = sizeof(T);
-    view.typestr = type;
-    return view;
-  }
+  ArrayView rowView() const { return packedArray(rows.data(), std::ssize(rows)); }
+  ArrayView valueView() const { return packedArray(values.data(), std::ssize(rows), columns); }
 };
 
 /// One log and the world that follows it.

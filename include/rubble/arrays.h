@@ -2,6 +2,7 @@
 /// Zero-copy views of the state of all bodies as strided arrays, in the memory of the backend. For renderers,
 /// learning frameworks and other libraries.
 #include <cstdint>
+#include <type_traits>
 
 namespace rubble {
 
@@ -66,6 +67,14 @@ struct ArrayView {
   /// World::epoch() when the view was made. The view is valid while that number is unchanged.
   std::int64_t epoch = 0;
 };
+
+/// A view of rows of `numbers` numbers each, one after the other in host memory: float, double or int.
+template <class T> ArrayView packedArray(const T* data, std::int64_t rows, std::int64_t numbers = 1) {
+  static_assert(std::is_same_v<T, float> || std::is_same_v<T, double> || std::is_same_v<T, std::int32_t>);
+  constexpr std::int64_t kSize = sizeof(T);
+  const char* const type = std::is_same_v<T, std::int32_t> ? "<i4" : kSize == 8 ? "<f8" : "<f4";
+  return {data, {rows, numbers}, {kSize * numbers, kSize}, type};
+}
 
 /// Poses of all body slots after a step, in host memory (World::takePoses).
 struct PoseFrame {

@@ -100,15 +100,7 @@ struct RayHitWriter {
 
 /// Views of n hits in packed memory.
 inline RayHitArrays hitArrays(const RayHitWriter& to, std::int64_t n) {
-  const auto view = [n](const void* data, std::int64_t numbers, const char* type) {
-    constexpr std::int64_t kNumber = sizeof(float);
-    ArrayView out;
-    out.data = data, out.typestr = type;
-    out.shape[0] = n, out.shape[1] = numbers;
-    out.strides[0] = numbers * kNumber, out.strides[1] = kNumber;
-    return out;
-  };
-  return {view(to.distances, 1, "<f4"), view(to.bodies, 1, "<i4"), view(to.normals, 3, "<f4")};
+  return {packedArray(to.distances, n), packedArray(to.bodies, n), packedArray(to.normals, n, 3)};
 }
 
 }  // namespace rubble

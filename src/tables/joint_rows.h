@@ -250,14 +250,6 @@ inline bool isOfJoints(SensorArray which) {
 inline bool countsContacts(SensorArray which) {
   return which == SensorArray::ContactForce || which == SensorArray::Touch;
 }
-/// `rows` rows of `numbers` numbers, one behind the other.
-inline ArrayView rowsOfNumbers(const Real* data, int rows, int numbers) {
-  ArrayView view;
-  view.data = data, view.shape[0] = rows, view.shape[1] = numbers;
-  view.strides[0] = static_cast<std::int64_t>(sizeof(Real)) * numbers, view.strides[1] = sizeof(Real);
-  view.typestr = sizeof(Real) == sizeof(double) ? "<f8" : "<f4";
-  return view;
-}
 
 /// The rows of joint arrays as tables have them.
 struct AxisTables {

@@ -31,14 +31,7 @@ template <class F> auto withStateArray(StateArray which, F&& f) {
 template <class T> ArrayView rowsOf(const T* data, int rows) {
   using Number = std::conditional_t<std::is_same_v<T, Vec3d>, double, Real>;
   static_assert(sizeof(T) % sizeof(Number) == 0);
-  ArrayView view;
-  view.data = data;
-  view.shape[0] = rows;
-  view.shape[1] = static_cast<std::int64_t>(sizeof(T) / sizeof(Number));
-  view.strides[0] = sizeof(T);
-  view.strides[1] = sizeof(Number);
-  view.typestr = sizeof(Number) == sizeof(double) ? "<f8" : "<f4";
-  return view;
+  return packedArray(reinterpret_cast<const Number*>(data), rows, sizeof(T) / sizeof(Number));
 }
 
 /// An array of vertices, where `s` has them.

@@ -29,18 +29,15 @@ std::vector<double> rowAt(const ArrayView& view, int row) {
   return out;
 }
 
-ArrayView rowsView(const void* data, std::int64_t count, bool device) {
-  ArrayView view;
-  view.data = data, view.shape[0] = count, view.shape[1] = 1, view.strides[0] = view.strides[1] = 4;
-  view.typestr = "<i4", view.device = device, view.stream = device ? 1 : 0;
+ArrayView placed(ArrayView view, bool device) {
+  view.device = device, view.stream = device ? 1 : 0;
   return view;
 }
-ArrayView valuesView(const void* data, std::int64_t count, std::int64_t numbers, bool device) {
-  ArrayView view;
-  view.data = data, view.shape[0] = count, view.shape[1] = numbers, view.strides[0] = 8 * numbers,
-  view.strides[1] = 8;
-  view.typestr = "<f8", view.device = device, view.stream = device ? 1 : 0;
-  return view;
+ArrayView rowsView(const int* data, std::int64_t count, bool device) {
+  return placed(packedArray(data, count), device);
+}
+ArrayView valuesView(const double* data, std::int64_t count, std::int64_t numbers, bool device) {
+  return placed(packedArray(data, count, numbers), device);
 }
 
 TEST_F(CudaAccess, ArraysAreDeviceMemoryWithTheStateOfEveryBody) {
@@ -117,10 +114,11 @@ TEST_F(CudaAccess, ScattersFromHostAndDeviceAlike) {
   const std::vector<int> rows = {7, 30, 9999, 12};
   const std::vector<double> vectors = {1, 2, 3, -4, 0, 2, 9, 9, 9, 0, 5, -1},
                             turns = {1, 0, 0, 0, 0, 3, 0, 0, 1, 1, 1, 1, .6, 0, 0, .8};
-  void *deviceRows = nullptr, *deviceVectors = nullptr, *deviceTurns = nullptr;
-  const auto put = [](void*& to, const auto& from) {
+  int* deviceRows = nullptr;
+  double *deviceVectors = nullptr, *deviceTurns = nullptr;
+  const auto put = [](auto*& to, const auto& from) {
     const std::size_t bytes = from.size() * sizeof from[0];
-    ASSERT_EQ(cudaMalloc(&to, bytes), cudaSuccess);
+    ASSERT_EQ(cudaMalloc(reinterpret_cast<void**>(&to), bytes), cudaSuccess);
     ASSERT_EQ(cudaMemcpy(to, from.data(), bytes, cudaMemcpyHostToDevice), cudaSuccess);
   };
   put(deviceRows, rows), put(deviceVectors, vectors), put(deviceTurns, turns);
@@ -142,7 +140,7 @@ TEST_F(CudaAccess, ScattersFromHostAndDeviceAlike) {
   EXPECT_THROW(device.scatter(StateArray::Velocity, rowsView(rows.data(), 4, false),
                               valuesView(deviceVectors, 4, 3, true)),
                Error);
-  for (void* p : {deviceRows, deviceVectors, deviceTurns}) cudaFree(p);
+  cudaFree(deviceRows), cudaFree(deviceVectors), cudaFree(deviceTurns);
 }
 
 TEST_F(CudaAccess, PosesComeWhileTheWorldStepsOn) {

@@ -104,13 +104,12 @@ TEST_F(CudaQuery, AnswersAsTheCpuDoes) {
 /// Rows of numbers in memory of the device. Its work may be ordered by the legacy default stream.
 template <class T> class DeviceRows {
  public:
-  DeviceRows(const std::vector<T>& host, std::int64_t numbers, const char* type) {
+  DeviceRows(const std::vector<T>& host, std::int64_t numbers) {
     void* memory = nullptr;
     EXPECT_EQ(cudaMalloc(&memory, sizeof(T) * host.size()), cudaSuccess);
     EXPECT_EQ(cudaMemcpy(memory, host.data(), sizeof(T) * host.size(), cudaMemcpyHostToDevice), cudaSuccess);
-    view.data = memory, view.typestr = type, view.device = true, view.stream = 1;
-    view.shape[0] = std::ssize(host) / numbers, view.shape[1] = numbers;
-    view.strides[0] = numbers * static_cast<std::int64_t>(sizeof(T)), view.strides[1] = sizeof(T);
+    view = packedArray(static_cast<const T*>(memory), std::ssize(host) / numbers, numbers);
+    view.device = true, view.stream = 1;
   }
   ~DeviceRows() { cudaFree(const_cast<void*>(view.data)); }
   DeviceRows(const DeviceRows&) = delete;
@@ -153,9 +152,9 @@ TEST_F(CudaQuery, RaysThatAreArraysHitWhatTheSameRaysHit) {
     numbers.push_back(i % kWorlds);
     even.push_back({i / kQueries, ray}), mixed.push_back({numbers.back(), ray});
   }
-  const DeviceRows<double> from(origins, 3, "<f8");
-  const DeviceRows<float> to(directions, 3, "<f4");
-  const DeviceRows<int> of(numbers, 1, "<i4");
+  const DeviceRows<double> from(origins, 3);
+  const DeviceRows<float> to(directions, 3);
+  const DeviceRows<int> of(numbers, 1);
   const RayArrays arrays{from.view, to.view, ray.maxDistance, {}};
   for (const bool isEven : {true, false}) {
     const std::vector<RayHit> wanted = worlds.castRays(isEven ? even : mixed);
@@ -178,7 +177,7 @@ TEST_F(CudaQuery, RaysThatAreArraysHitWhatTheSameRaysHit) {
 TEST_F(CudaQuery, RaysThatAreArraysSeeEditsAndLeaveTheStepAlone) {
   const Scene scene = randomScene(33);
   World asked(scene, on("cuda")), alone(scene, on("cuda"));
-  const DeviceRows<float> from({0, 0, 50, 0, 0, 50}, 3, "<f4"), to({0, 0, -2, 0, 0, 0}, 3, "<f4");
+  const DeviceRows<float> from({0, 0, 50, 0, 0, 50}, 3), to({0, 0, -2, 0, 0, 0}, 3);
   const RayArrays rays{from.view, to.view, 30, {}};
   EXPECT_EQ(numbersIn<int>(asked.castRayArrays(rays).bodies), (std::vector<int>{-1, -1}));
   BodyDef ball = body(Shape::sphere(1), {0, 0, 40});

@@ -55,10 +55,8 @@ template <class T> struct Both {
   }
 };
 
-ArrayView viewOf(const void* data, std::int64_t numbers, const char* typestr, cudaStream_t stream) {
-  ArrayView view;
-  view.data = data, view.shape[0] = 1, view.shape[1] = numbers;
-  view.strides[0] = 4 * numbers, view.strides[1] = 4, view.typestr = typestr;
+template <class T> ArrayView viewOf(const T* data, std::int64_t numbers, cudaStream_t stream) {
+  ArrayView view = packedArray(data, 1, numbers);
   view.device = true, view.stream = reinterpret_cast<std::uintptr_t>(stream);
   return view;
 }
@@ -94,8 +92,7 @@ TEST_F(CudaStreams, ValuesMayBeFreshAndOverwrittenAfterwards) {
     const Both<float> values({1, 2, 3});
     holdUp(stream);
     rows.toDevice(stream), values.toDevice(stream);
-    world.scatter(StateArray::Velocity, viewOf(rows.device, 1, "<i4", stream),
-                  viewOf(values.device, 3, "<f4", stream));
+    world.scatter(StateArray::Velocity, viewOf(rows.device, 1, stream), viewOf(values.device, 3, stream));
     EXPECT_EQ(cudaMemsetAsync(values.device, 0, values.bytes, stream), cudaSuccess);
     EXPECT_EQ(world.state(world.bodyAt(kBox)).velocity, (Vec3{1, 2, 3}));
   }
@@ -140,7 +137,7 @@ TEST_F(CudaStreams, AReaderSeesWhatTheEngineIsAboutToWrite) {
 
     const int row = kBox;
     const float value[3] = {4, 5, 6};
-    ArrayView rows = viewOf(&row, 1, "<i4", nullptr), values = viewOf(value, 3, "<f4", nullptr);
+    ArrayView rows = viewOf(&row, 1, nullptr), values = viewOf(value, 3, nullptr);
     rows.device = values.device = false;
     holdUp(engine);
     world.scatter(StateArray::Velocity, rows, values);

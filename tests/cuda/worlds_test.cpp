@@ -206,12 +206,7 @@ TEST_F(CudaWorlds, ForcesOfRowsWaitForTheirWorld) {
   const double mass = worlds[0].massOf(worlds[0].bodyAt(0)).mass, dt = worlds.params().dt;
   const int row = 2;
   const double force[3] = {6 * mass, 0, 0};
-  ArrayView rows, values;
-  rows.data = &row, rows.shape[0] = 1, rows.shape[1] = 1, rows.strides[0] = rows.strides[1] = 4;
-  rows.typestr = "<i4";
-  values.data = force, values.shape[0] = 1, values.shape[1] = 3, values.strides[0] = 24;
-  values.strides[1] = 8, values.typestr = "<f8";
-  worlds.scatter(StateArray::Force, rows, values);
+  worlds.scatter(StateArray::Force, packedArray(&row, 1), packedArray(force, 1, 3));
   worlds.step(1, std::vector<char>{1, 1, 0, 1});
   for (int w = 0; w < 4; ++w) EXPECT_EQ(worlds[w].state(worlds[w].bodyAt(0)).velocity.x, 0) << w;
   worlds.step(2);

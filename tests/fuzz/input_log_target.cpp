@@ -90,9 +90,8 @@ void changeInEveryWay(World& world) {
   world.setDefinition(cloth, world.definition(cloth));
   const std::int32_t row[] = {1};
   const double velocity[] = {.1, .2, .3};
-  const ArrayView rows{row, {1, 1}, {4, 4}, "<i4"};
-  world.scatter(StateArray::Velocity, rows, {velocity, {1, 3}, {24, 8}, "<f8"});
-  world.scatter(JointArray::TargetSpeed, rows, {velocity, {1, 1}, {8, 8}, "<f8"});
+  world.scatter(StateArray::Velocity, packedArray(row, 1), packedArray(velocity, 1, 3));
+  world.scatter(JointArray::TargetSpeed, packedArray(row, 1), packedArray(velocity, 1));
   world.removeAttachment(attachment);
   world.removeDeformable(cable);
   world.removeJoint(drag);

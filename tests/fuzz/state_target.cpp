@@ -56,9 +56,9 @@ void scatter(ByteSource& in, World& world) {
   for (int i = 0; i < count; ++i) rows.push_back(in.below(8) - 1);
   for (int i = 0; i < count * columns; ++i) values.push_back(in.bits());
   const auto which = static_cast<StateArray>(in.below(7));
-  ArrayView rowView{rows.data(), {count, 1}, {4, 4}, "<i4"};
+  ArrayView rowView = packedArray(rows.data(), count);
   if (in.seldom()) rowView.typestr = "<f4";
-  ArrayView valueView{values.data(), {count, columns}, {8 * columns, 8}, "<f8"};
+  ArrayView valueView = packedArray(values.data(), count, columns);
   if (in.seldom()) valueView.shape[0] = 0;
   world.scatter(which, rowView, valueView);
 }

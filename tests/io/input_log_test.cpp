@@ -79,16 +79,10 @@ void changeInEveryWay(World& world) {
   world.setParams(params);
   const std::int32_t row[] = {4};
   const float velocity[] = {.1f, .2f, .3f};
-  ArrayView rows, values;
-  rows.data = row, rows.shape[0] = rows.shape[1] = 1, rows.strides[0] = rows.strides[1] = 4,
-  rows.typestr = "<i4";
-  values.data = velocity, values.shape[0] = 1, values.shape[1] = 3;
-  values.strides[0] = 12, values.strides[1] = 4, values.typestr = "<f4";
-  world.scatter(StateArray::Velocity, rows, values);
+  world.scatter(StateArray::Velocity, packedArray(row, 1), packedArray(velocity, 1, 3));
   const std::int32_t axis[] = {0};
-  rows.data = axis, values.shape[1] = 1;
-  world.scatter(JointArray::AppliedForce, rows, values);
-  world.scatter(JointArray::TargetSpeed, rows, values);
+  world.scatter(JointArray::AppliedForce, packedArray(axis, 1), packedArray(velocity, 1));
+  world.scatter(JointArray::TargetSpeed, packedArray(axis, 1), packedArray(velocity, 1));
   step();
   world.removeDeformable(cable);
   step();

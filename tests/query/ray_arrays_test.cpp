@@ -13,13 +13,8 @@
 namespace rubble {
 namespace {
 
-/// Numbers of rows in packed memory.
-template <class T> ArrayView viewOf(const std::vector<T>& data, std::int64_t numbers, const char* type) {
-  ArrayView view;
-  view.data = data.data(), view.typestr = type;
-  view.shape[0] = std::ssize(data) / numbers, view.shape[1] = numbers;
-  view.strides[0] = numbers * static_cast<std::int64_t>(sizeof(T)), view.strides[1] = sizeof(T);
-  return view;
+template <class T> ArrayView viewOf(const std::vector<T>& data, std::int64_t numbers) {
+  return packedArray(data.data(), std::ssize(data) / numbers, numbers);
 }
 template <class T> std::vector<T> numbersIn(const ArrayView& view) {
   EXPECT_FALSE(view.device);
@@ -43,9 +38,7 @@ struct Rays {
         directions.push_back(static_cast<float>(d));
     }
   }
-  RayArrays arrays() const {
-    return {viewOf(origins, 3, "<f8"), viewOf(directions, 3, "<f4"), maxDistance, filter};
-  }
+  RayArrays arrays() const { return {viewOf(origins, 3), viewOf(directions, 3), maxDistance, filter}; }
   RayQuery at(std::size_t i) const {
     const auto direction = [&](std::size_t k) { return static_cast<double>(directions[3 * i + k]); };
     return {{origins[3 * i], origins[3 * i + 1], origins[3 * i + 2]},
@@ -107,7 +100,7 @@ TEST_P(RayArraysOn, OfManyWorldsHitWhatTheSameRaysHit) {
     mixed.push_back({numbers.back(), rays.at(static_cast<std::size_t>(i))});
   }
   EXPECT_GT(expectHits(worlds.castRayArrays(rays.arrays()), worlds.castRays(even), rays.maxDistance), 10);
-  EXPECT_GT(expectHits(worlds.castRayArrays(rays.arrays(), viewOf(numbers, 1, "<i4")), worlds.castRays(mixed),
+  EXPECT_GT(expectHits(worlds.castRayArrays(rays.arrays(), viewOf(numbers, 1)), worlds.castRays(mixed),
                        rays.maxDistance),
             10);
 }
@@ -185,7 +178,7 @@ TEST(RayArrays, NameWhatIsWrong) {
   EXPECT_EQ(pathOf([&] { world.castRayArrays(still.arrays()); }), "rays[1].direction");
   EXPECT_EQ(pathOf([&] { worlds.castRayArrays(rays.arrays()); }), "origins.shape");
   const std::vector<int> beyond{0, 1, 2};
-  EXPECT_EQ(pathOf([&] { worlds.castRayArrays(rays.arrays(), viewOf(beyond, 1, "<i4")); }), "world");
+  EXPECT_EQ(pathOf([&] { worlds.castRayArrays(rays.arrays(), viewOf(beyond, 1)); }), "world");
 }
 
 TEST(RayArrays, OnADeviceThatCannotBeCastFindNothing) {
@@ -194,9 +187,9 @@ TEST(RayArrays, OnADeviceThatCannotBeCastFindNothing) {
   const std::vector<double> origins{0, 0, 0, 0, kNaN, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   const std::vector<float> directions{0, 0, 2, 1, 0, 0, 0, 0, 0, kHuge, 0, 0, 1, 0, 0};
   const std::vector<int> worlds{1, 1, 1, 1, 2};
-  EngineRays rays{viewOf(origins, 3, "<f8"), viewOf(directions, 3, "<f4"), 8, {}};
+  EngineRays rays{viewOf(origins, 3), viewOf(directions, 3), 8, {}};
   rays.common.layers = rays.common.mask = 5;
-  rays.worlds = viewOf(worlds, 1, "<i4"), rays.worldCount = 2, rays.firstWorld = 3;
+  rays.worlds = viewOf(worlds, 1), rays.worldCount = 2, rays.firstWorld = 3;
   const RayReader read(rays);
   const EngineQuery good = read(0);
   EXPECT_EQ(good.move, (Vec3{0, 0, 8}));

@@ -27,17 +27,8 @@ inline std::vector<double> copyOfHost(const ArrayView& view) {
 struct HostRows {
   std::vector<int> rows;
   std::vector<double> values;
-  ArrayView rowView() const { return view(rows.data(), "<i4", 4); }
-  ArrayView valueView() const { return view(values.data(), "<f8", 8); }
-
- private:
-  ArrayView view(const void* data, const char* typestr, std::int64_t size) const {
-    ArrayView out;
-    out.data = data, out.typestr = typestr;
-    out.shape[0] = static_cast<std::int64_t>(rows.size()), out.shape[1] = 1;
-    out.strides[0] = out.strides[1] = size;
-    return out;
-  }
+  ArrayView rowView() const { return packedArray(rows.data(), std::ssize(rows)); }
+  ArrayView valueView() const { return packedArray(values.data(), std::ssize(rows)); }
 };
 
 /// Equal up to the round-off of single precision.

@@ -140,14 +140,8 @@ TEST_P(ManyBodies, AreWrittenFromArrays) {
   const std::vector<int> rows = {4, 9, 99, 2};
   const std::vector<double> velocities = {1, 2, 3, -1, 0, .5, 7, 7, 7, 0, .25, -2};
   const std::vector<float> forces = {10, 0, 0, 0, 20, 0, 1, 1, 1, 0, 0, 30};
-  ArrayView rowView, values, forceView;
-  rowView.data = rows.data(), rowView.typestr = "<i4";
-  rowView.shape[0] = 4, rowView.shape[1] = 1, rowView.strides[0] = rowView.strides[1] = 4;
-  values.data = velocities.data(), values.typestr = "<f8";
-  values.shape[0] = 4, values.shape[1] = 3, values.strides[0] = 24, values.strides[1] = 8;
-  forceView = values;
-  forceView.data = forces.data(), forceView.typestr = "<f4", forceView.strides[0] = 12,
-  forceView.strides[1] = 4;
+  ArrayView rowView = packedArray(rows.data(), 4), values = packedArray(velocities.data(), 4, 3),
+            forceView = packedArray(forces.data(), 4, 3);
   // a state that is set is normalized, velocities alone leave the orientation as it is
   for (const BodyId id : ids) many.setState(id, many.state(id));
   many.scatter(StateArray::Velocity, rowView, values);

@@ -145,13 +145,7 @@ TEST_P(Order, ArraysStayById) {
 
   const int rows[2] = {w.bodyAt(4).index, w.bodyAt(11).index};
   const double values[2][3] = {{1, 2, 30}, {4, 5, 60}};
-  ArrayView rowView, valueView;
-  rowView.data = rows, rowView.shape[0] = 2, rowView.shape[1] = 1,
-  rowView.strides[0] = rowView.strides[1] = sizeof(int), rowView.typestr = "<i4";
-  valueView.data = values, valueView.shape[0] = 2, valueView.shape[1] = 3;
-  valueView.strides[0] = sizeof values[0], valueView.strides[1] = sizeof(double);
-  valueView.typestr = "<f8";
-  w.scatter(StateArray::Position, rowView, valueView);
+  w.scatter(StateArray::Position, packedArray(rows, 2), packedArray(values[0], 2, 3));
   EXPECT_EQ(w.state(w.bodyAt(4)).position, (Vec3{1, 2, 30}));
   EXPECT_EQ(w.state(w.bodyAt(11)).position, (Vec3{4, 5, 60}));
   EXPECT_TRUE(rowIs(w.bodyAt(4)) && rowIs(w.bodyAt(11)) && rowIs(w.bodyAt(5)));

@@ -17,7 +17,7 @@ class HostJointRows {
     std::vector<Real>& to = axes_[static_cast<int>(which)];
     to.resize(tables_.axes.size());
     forEach(ReadAxis{which, tables_.axes.data(), to.data()}, tables, to.size());
-    return rowsOfNumbers(to.data(), static_cast<int>(to.size()), 1);
+    return packedArray(to.data(), std::ssize(to));
   }
   ArrayView view(const HostTables& tables, SensorArray which) {
     const SolverData& s = tables.view();
@@ -30,13 +30,13 @@ class HostJointRows {
     std::vector<Real>& to = sensors_[static_cast<int>(which)];
     to.resize(rows * static_cast<std::size_t>(numbersOf(which)));
     forEach(ReadSensor{which, sums_.data(), tables_.joints.data(), to.data()}, tables, rows);
-    return rowsOfNumbers(to.data(), static_cast<int>(rows), numbersOf(which));
+    return packedArray(to.data(), static_cast<std::int64_t>(rows), numbersOf(which));
   }
   ArrayView contactForces(const HostTables& tables, std::span<const std::array<int, 2>> pairs) {
     pairForces_.resize(3 * pairs.size());
     forEach(ReadPairForce{pairs.empty() ? nullptr : pairs[0].data(), pairForces_.data()}, tables,
             pairs.size());
-    return rowsOfNumbers(pairForces_.data(), static_cast<int>(pairs.size()), 3);
+    return packedArray(pairForces_.data(), std::ssize(pairs), 3);
   }
   void scatter(const HostTables& tables, JointArray which, const ArrayView& rows, const ArrayView& values) {
     const AxisValues given(static_cast<int>(tables_.axes.size()), rows, values);

@@ -48,7 +48,7 @@ ArrayView DeviceJointRows::view(const SolverData& device, JointArray which, cuda
   DeviceBuffer& to = axisNumbers_[static_cast<int>(which)];
   to.reserve(sizeof(Real) * static_cast<std::size_t>(axes_));
   forEach(device, ReadAxis{which, in<AxisRef>(axisRefs_), in<Real>(to)}, axes_, stream);
-  return onDevice(rowsOfNumbers(in<Real>(to), axes_, 1), stream);
+  return onDevice(packedArray(in<Real>(to), axes_, 1), stream);
 }
 
 ArrayView DeviceJointRows::view(const SolverData& device, SensorArray which, int bodies, int pairs,
@@ -64,7 +64,7 @@ ArrayView DeviceJointRows::view(const SolverData& device, SensorArray which, int
   to.reserve(sizeof(Real) * static_cast<std::size_t>(rows * numbers));
   forEach(device, ReadSensor{which, in<ForceSums>(sums_), in<AxisRef>(jointRefs_), in<Real>(to)}, rows,
           stream);
-  return onDevice(rowsOfNumbers(in<Real>(to), rows, numbers), stream);
+  return onDevice(packedArray(in<Real>(to), rows, numbers), stream);
 }
 
 ArrayView DeviceJointRows::contactForces(const SolverData& device, std::span<const std::array<int, 2>> pairs,
@@ -73,7 +73,7 @@ ArrayView DeviceJointRows::contactForces(const SolverData& device, std::span<con
   send(pairs, pairs_, stream);
   pairForces_.reserve(sizeof(Real) * 3 * pairs.size());
   forEach(device, ReadPairForce{in<int>(pairs_), in<Real>(pairForces_)}, count, stream);
-  return onDevice(rowsOfNumbers(in<Real>(pairForces_), count, 3), stream);
+  return onDevice(packedArray(in<Real>(pairForces_), count, 3), stream);
 }
 
 void DeviceJointRows::scatter(const SolverData& device, JointArray which, const ArrayView& rows,
