@@ -81,7 +81,7 @@ class Worlds {
   /// State of the bodies of all worlds, one row per body. Body k of world w has the row rowsOf(w)[k], which
   /// is firstRow(w) + k unless bodies were added to a world after others had been made. Worlds of one scene
   /// have an array of shape (worlds, bodies, numbers). On the host valid until the next call for the same
-  /// array, which may write to the same memory; on a device until bodies are added or removed.
+  /// array; steps and that call may change it. On a device valid until bodies are added or removed.
   ArrayView array(StateArray which) const;
   std::vector<int> rowsOf(int world) const;
   int firstRow(int world) const;

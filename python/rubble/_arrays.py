@@ -303,8 +303,8 @@ class StateArrays:
             name: "position", "speed", "drive_force", "limit_force", "friction_force", "lower_limit",
                 "upper_limit", "target_position" or "target_speed", in [m], [rad], [N], [N m].
         Returns:
-            (axes, 1): a read-only view that the next call for the same array writes to, or a `DeviceArray`
-            with the backend "cuda". Forces act on body A along the axis.
+            (axes, 1): a read-only view, or a `DeviceArray` with the backend "cuda". Steps and the next call
+            for the same array may change it. Forces act on body A along the axis.
         """
         return read_array(lib.rb_world_joint_array, self._owner, index_of(name, JOINT_NAMES))
 

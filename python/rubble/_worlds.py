@@ -147,7 +147,7 @@ class Worlds:
         Returns:
             (rows, numbers). Body k of world w is row ``rows(w)[k]``. Worlds of one scene have
             ``array(name).reshape(len(worlds), -1, numbers)``. A read-only numpy view, or a `DeviceArray` with
-            the backend "cuda". The next call for the same array writes to the same memory: copy what lasts.
+            the backend "cuda". Steps and the next call for the same array may change it: copy what lasts.
         """
         return read_array(lib.rb_worlds_array, self._handle, index_of(name), WORLDS)
 

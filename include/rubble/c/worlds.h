@@ -28,7 +28,7 @@ RB_API rb_status rb_worlds_reset(rb_worlds* worlds, const int32_t* numbers, int6
 RB_API rb_status rb_worlds_params(const rb_worlds* worlds, const char** json);
 RB_API rb_status rb_worlds_set_params(rb_worlds* worlds, const char* json);
 /// A read-only state array (rb_state_array) of the bodies of all worlds. Valid until the next call for the
-/// same array, which may write to the same memory.
+/// same array; steps and that call may change it.
 RB_API rb_status rb_worlds_array(const rb_worlds* worlds, int32_t which, rb_array* array);
 /// As rb_world_device(), and as rb_world_dlpack_of() of the arrays of this batch.
 RB_API rb_status rb_worlds_device(const rb_worlds* worlds, int32_t* device, uint64_t* stream);
