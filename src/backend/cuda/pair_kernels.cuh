@@ -45,7 +45,7 @@ class NeighborsOfWorlds {
   __device__ static void find(const SolverData& s, int first, int n) {
     __shared__ Box boxes[kMostBoxes];
     const int thread = static_cast<int>(threadIdx.x), i = first + thread;
-    if (i < n) s.neighborSearch[i] = searchOf(s, i);
+    if (i < n) noteSearch(s, i);
     // rows behind those of the last world belong to none
     const int last = min(first + kThreads, s.bodiesEnd(s.worlds - 1)) - 1;
     if (first > last) return;

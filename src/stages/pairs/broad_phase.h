@@ -232,7 +232,7 @@ struct FindNeighbors {
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     if (s.counters->searched == 0) return;
-    if (lane == 0) s.neighborSearch[i] = searchOf(s, i);
+    if (lane == 0) noteSearch(s, i);
     find(s, i, lane, lanes);
   }
   RUBBLE_HD static void find(const SolverData& s, int i, int lane = 0, int lanes = 1) {

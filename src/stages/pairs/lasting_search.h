@@ -39,18 +39,20 @@ RUBBLE_HD inline Bounds searchBox(const SolverData& s, const Bounds& b, int leve
 /// NeighborSearch::layer of what is in no search, and of planes of world 0; those of world w have kPlanes -
 /// w.
 inline constexpr int kOutside = -1, kPlanes = -2;
-/// What a search for the neighbors of body or plane i depends on.
-RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i) {
+/// What a search for the neighbors of body or plane i depends on, with some slack around its box [m].
+RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i, Real slack = 0) {
   const Bounds& b = s.bounds[i];
-  if (b.level >= 0) {
-    const Real slack = slackNow(s, b.level);
+  if (b.level >= 0)
     return {b.center, layerOf(s.worldOf(i), b.level), b.half + Vec3{slack, slack, slack}, s.bodies, 0, 0};
-  }
   const BodyParams& p = s.params[i];
   if (p.kind == BodyKind::Removed || p.shape.kind != ShapeKind::Plane)
     return {{0, 0, 0}, kOutside, {0, 0, 0}, s.bodies, 0, 0};
   return {
       Vec3(s.position[i]), kPlanes - s.worldOf(i), rotate(s.orientation[i], Vec3{0, 0, 1}), s.bodies, 0, 0};
+}
+/// Notes the search for the neighbors of body or plane i in this step.
+RUBBLE_HD inline void noteSearch(const SolverData& s, int i) {
+  s.neighborSearch[i] = searchOf(s, i, slackNow(s, s.bounds[i].level));
 }
 /// Does the last search hold for body i?
 RUBBLE_HD inline bool searchHolds(const SolverData& s, int i) {
