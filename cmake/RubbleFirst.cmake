@@ -4,7 +4,7 @@
 
 # What the library has that no pile takes; other libraries name what it takes.
 set(rubble_not_first convex_parts fracture lattice_sides mesh_distance mesh_objects rod soft_builders solid_cut tetrahedralize
-  drop_behind program socket team debug_draw joint_arrays joint_types query result sensors snapshot_bytes worlds_arrays
+  drop_behind program socket team debug_draw joint_arrays joint_types query ray_arrays result sensors snapshot_bytes worlds_arrays
   worlds_values value_path)
 
 # Moves the objects of these sources of a library into its part.

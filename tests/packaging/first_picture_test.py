@@ -3,9 +3,11 @@ nothing twice.
 
 usage: first_picture_test.py BUILD_FOLDER
 """
+import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 _FOLDER = sys.argv.pop(1)
@@ -42,6 +44,18 @@ class FirstPicture(unittest.TestCase):
         own = {name.removesuffix(".o") for library, name in objects("first_picture")
                if library == "first_picture"}
         self.assertEqual(own, _CHOOSING | {"apps/first_picture/main.cpp"})
+
+    def test_finds_all_that_it_calls_in_its_part_of_the_libraries(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for line in commands("first_picture"):
+                if "first_picture" not in line:
+                    continue
+                own = line.replace("CMakeFiles/first_picture.dir", folder)
+                own = own.replace("-o first_picture", f"-o {folder}/first_picture")
+                pathlib.Path(re.search(r" -o (\S+)", own).group(1)).parent.mkdir(parents=True, exist_ok=True)
+                done = subprocess.run(own, shell=True, cwd=_FOLDER, capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+            self.assertTrue(pathlib.Path(folder, "first_picture").exists())
 
 
 if __name__ == "__main__":
