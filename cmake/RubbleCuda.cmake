@@ -51,11 +51,6 @@ if(rubble_cuda)
   if(RUBBLE_NVCC_SPLITS)
     add_compile_options("$<$<COMPILE_LANGUAGE:CUDA>:--split-compile=0>")
   endif()
-  # Device code is most of a program: 0.4 times as large as by default. Drivers read it from CUDA 12.4 on.
-  check_compiler_flag(CUDA --compress-mode=size RUBBLE_NVCC_COMPRESSES)
-  if(RUBBLE_NVCC_COMPRESSES)
-    add_compile_options("$<$<COMPILE_LANGUAGE:CUDA>:--compress-mode=size>")
-  endif()
   if(NOT DEFINED CMAKE_CUDA20_STANDARD_COMPILE_OPTION)  # CMake 3.25 does not know that nvcc takes C++20
     set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
     set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)

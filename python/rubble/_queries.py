@@ -218,9 +218,9 @@ class Queries:
         """Contact forces of the last step between the two bodies of each pair, on the second one, world axes
         [N]: (n, 3), a copy, or a `DeviceArray` with the backend "cuda"."""
         ids = np.array([body.id for pair in pairs for body in pair], np.dtype(_abi.BodyId))
-
         forces = _abi.Array()
-        check(lib.rb_world_contact_forces(self._pointer, ids.ctypes.data, len(ids) // 2, ctypes.byref(forces)))
+        check(lib.rb_world_contact_forces(self._pointer, ids.ctypes.data, len(ids) // 2,
+                                          ctypes.byref(forces)))
         return answer_of(forces, self._owner)
 
     def debug_draw(self, **options: Unpack[DrawOptions]) -> DebugDraw:

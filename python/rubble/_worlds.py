@@ -148,6 +148,7 @@ class Worlds:
             (rows, numbers). Body k of world w is row ``rows(w)[k]``. Worlds of one scene have
             ``array(name).reshape(len(worlds), -1, numbers)``. A read-only numpy view, or a `DeviceArray` with
             the backend "cuda". Steps and the next call for the same array may change it: copy what lasts.
+            It ends where bodies or worlds are added or removed.
         """
         return read_array(lib.rb_worlds_array, self._handle, index_of(name), WORLDS)
 
@@ -204,7 +205,6 @@ class Worlds:
             (n, 3) on the second body, world axes [N]: a copy, or a `DeviceArray` with the backend "cuda".
         """
         rows = np.ascontiguousarray(pairs, dtype=np.int32).reshape(-1, 2)
-
         forces = _abi.Array()
         check(lib.rb_worlds_contact_forces(self._handle.pointer, rows.ctypes.data, len(rows),
                                            ctypes.byref(forces)))

@@ -114,14 +114,13 @@ TEST(LastingSearch, HasNoSlackWhileABodyMovesFar) {
   EXPECT_TRUE(twins.find());
   const int still = twins.neighbors();
   EXPECT_FALSE(twins.find());
-  for (const float speed : {4.F, 0.F}) {
+  const auto neighborsAt = [&](float speed) {
     twins.both([&](CoreWorld& world) { world.view().velocity[3] = {0, speed, 0}; });
     EXPECT_TRUE(twins.find());
-    if (speed > 0)
-      EXPECT_LT(twins.neighbors(), still);
-    else
-      EXPECT_EQ(twins.neighbors(), still);
-  }
+    return twins.neighbors();
+  };
+  EXPECT_LT(neighborsAt(4), still);
+  EXPECT_EQ(neighborsAt(0), still);
   EXPECT_FALSE(twins.find());
 }
 
