@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "tests/support/expect.h"
+#include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 namespace rubble {
@@ -136,6 +137,56 @@ TEST(FastBody, TwoOfThemMeetHeadOn) {
         << i;
   }
   EXPECT_LT(length(world.state(world.findBody("bullet")).velocity), 7);
+}
+
+TEST(FastBody, ThatOnlyTurnsDoesNotPassWhatIsInItsWay) {
+  // a blade around its fixed middle, which turns by up to a radian in a step, and a ball that it meets
+  test::Random random(3);
+  for (int sample = 0; sample < 40; ++sample) {
+    const double speed = random.uniform(5, 60), distance = random.uniform(.1, .47),
+                 angle = random.uniform(.5, 1.2);
+    Scene scene = test::emptyScene({0, 0, 0});
+    BodyDef blade = test::body(Shape::box({.5, .005, .05}), {});
+    blade.motion = Motion::Kinematic, blade.angularVelocity = {0, 0, speed};
+    scene.bodies.push_back(blade);
+    scene.bodies.push_back(
+        test::body(Shape::sphere(.01), {distance * std::cos(angle), distance * std::sin(angle), 0}));
+    World world(scene, test::options(4));
+    const auto place = [&] {
+      return rotateInverse(world.state(world.bodyAt(0)).orientation, world.state(world.bodyAt(1)).position);
+    };
+    Vec3 before = place();
+    for (double turned = 0; turned < angle + 1; turned += speed * kDt) {
+      world.step();
+      const Vec3 now = place();
+      EXPECT_FALSE(before.y > 0 && now.y < 0 && now.x > 0 && now.x < .5)
+          << speed << " rad/s, ball at " << distance << " m";
+      before = now;
+    }
+    EXPECT_GT(length(world.state(world.bodyAt(1)).velocity), 1);
+  }
+}
+
+TEST(FastBody, ThatOnlyTurnsIsSweptWhateverElseIsFast) {
+  test::Random random(7);
+  for (int sample = 0; sample < 24; ++sample) {
+    Scene scene = test::emptyScene();
+    scene.bodies.push_back(test::ground());
+    const Vec3 half = Vec3{.4, .4, .4} + random.vector(.2);
+    BodyDef top = test::body(Shape::box(half), {0, 0, random.uniform(.2, .6)});
+    top.lockTranslation = {true, true, true}, top.angularVelocity = random.vector(60);
+    scene.bodies.push_back(top);
+    scene.bodies.push_back(test::body(Shape::sphere(.05), {1000, 0, 1}));
+    const auto turned = [&](double speedOfDistantBody) {
+      scene.bodies.back().velocity = {speedOfDistantBody, 0, 0};
+      World world(scene, test::options(4));
+      test::run(world, 3);
+      return world.state(world.bodyAt(1));
+    };
+    const BodyState alone = turned(0), beside = turned(300);
+    EXPECT_EQ(alone.orientation, beside.orientation) << sample;
+    EXPECT_EQ(alone.angularVelocity, beside.angularVelocity) << sample;
+  }
 }
 
 TEST(StruckBody, IsNotDrivenIntoTheGround) {

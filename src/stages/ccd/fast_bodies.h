@@ -75,8 +75,10 @@ struct FlagFast {
                inner = innerRadiusOf(s.shapeTables(), p.shape);
     // contacts that yield may have slowed a body that was about to move far
     const Real ahead = s.step->dt * length(s.velocity[i]);
-    if (!(way2 > Real(0)) || (max(std::sqrt(way2), ahead) + turn <= inner && s.fast[i] == 0)) return;
-    s.fast[i] = 1;
+    const bool moves = way2 > Real(0) || turn > Real(0),
+               isFast = moves && (max(std::sqrt(way2), ahead) + turn > inner || s.fast[i] != 0);
+    s.fast[i] = isFast;
+    if (!isFast) return;
     s.fastBody[atomicCount(&s.counters->fastBodies, 1)] = i;
     atomicRaise(&s.counters->swept, s.counters->pairs);
     if (leavesPath(s, i, boundsOfMotion(s, i, 0, 1))) listSearched(s, i);
@@ -290,8 +292,9 @@ struct StopBodies {
     if (s.params[other].kind == BodyKind::Kinematic) {
       const Displacement& e = s.dx[other];
       const Vec3 arm = Vec3(s.position[body] - s.position[other]) + d.dp - done * e.dp;
-      d.dp += left * (e.dp + cross(e.dw, arm));
-      d.dw = logRotation(expRotation(left * e.dw) * expRotation(d.dw));
+      const Quat turn = expRotation(left * e.dw);
+      d.dp += left * e.dp + rotate(turn, arm) - arm;
+      d.dw = logRotation(turn * expRotation(d.dw));
     }
     s.ccdMotion[body] = d;
   }
