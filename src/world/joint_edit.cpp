@@ -14,10 +14,7 @@ bool contains(std::span<const JointId> ids, JointId id) {
 }  // namespace
 
 JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b, BodyId frameBodyA, BodyId frameBodyB) {
-  const auto check = [&](BodyId id) {
-    if (id.index >= 0) requireAlive(id);
-  };
-  check(a), check(b), check(frameBodyA), check(frameBodyB);
+  for (const BodyId id : {a, b, frameBodyA, frameBodyB}) requireAliveIfAny(id);
   if (a == b) throw Error("joint", "two different bodies", "the same one twice");
   checkFrameBody(def.type, a.index, frameBodyA.index, "joint.frameBodyA");
   checkFrameBody(def.type, b.index, frameBodyB.index, "joint.frameBodyB");

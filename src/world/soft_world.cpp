@@ -117,8 +117,7 @@ void checkNumbers(const AttachmentDef& def, const Path& path) {
 AttachmentId World::Impl::addAttachment(const AttachmentDef& def, DeformableId object, BodyId body,
                                         DeformableId other, const Path& path) {
   requireAlive(object);
-  if (body.index >= 0) requireAlive(body);
-  if (other.index >= 0) requireAlive(other);
+  requireAliveIfAny(body), requireAliveIfAny(other);
   checkNumbers(def, path);
   AttachmentRecord record{def, object, other, body, {}, registry.softOrder, -1};
   const auto countOf = [&](DeformableId id) { return int(registry.softs[id].model->vertices.size()); };

@@ -320,6 +320,10 @@ struct World::Impl {
   void removeAttachment(AttachmentId id);
   void requireAlive(DeformableId id) const;
   void requireAlive(AttachmentId id) const;
+  /// The same unless it is the id of none, which may be that of the world.
+  template <class Id> void requireAliveIfAny(Id id) const {
+    if (id != Id{}) requireAlive(id);
+  }
   /// Sends edits of deformable objects, which the engine takes all at once.
   void flush();
   void collectEvents(std::span<const JointId> broken);

@@ -186,6 +186,25 @@ TEST(Refusal, OfDampersThatAreNotFinite) {
   expectError("joint.axes[2].limitDamping", [&] { validate(changed, "joint"); });
 }
 
+/// Only an id that was never set means the world, or none.
+TEST(Refusal, OfIdsThatNameNothing) {
+  Scene scene = test::tower(2);
+  scene.deformables = {clothSheet({0, 9, 0}, {1, 0, 0}, {0, 1, 0}, 1, 1)};
+  World world(scene, test::options());
+  const BodyId body = world.bodyAt(1);
+  const DeformableId cloth = world.deformableAt(0);
+  AttachmentDef tie;
+  tie.vertices = {0};
+  for (const int index : {-1, -2, -7, std::numeric_limits<int>::min(), 99}) {
+    const BodyId none{index, index == -1 ? 3u : 0u};
+    expectError("body", [&] { world.addJoint({}, body, none); });
+    expectError("body", [&] { world.addJoint({}, none, body); });
+    expectError("body", [&] { world.addAttachment(tie, cloth, none); });
+    expectError("deformable", [&] { world.addAttachment(tie, cloth, {}, {none.index, none.generation}); });
+  }
+  world.step();
+}
+
 TEST(Refusal, OfRoomAndThreadsWithoutBound) {
   World world(test::tower(1), test::options());
   expectError("count", [&] { world.reserve("pairs", 2000000000); });
