@@ -168,15 +168,25 @@ void change(ByteSource& in, Ordered& line) {
   }
 }
 
+struct Line {
+  Ordered json;
+  std::string text;  ///< of a line that was read
+};
+std::vector<Line> parsedLines(const std::string& log) {
+  std::vector<Line> lines;
+  for (std::string& text : linesOf(log))
+    lines.push_back({Ordered::parse(text, nullptr, false), std::move(text)});
+  return lines;
+}
 /// Lines as bytes choose them. One in four is changed.
-std::vector<std::string> forgedLines(ByteSource in) {
-  const auto textOf = [&](Ordered line) {
+std::vector<Line> forgedLines(ByteSource in) {
+  const auto changed = [&](Ordered line) {
     for (int changes = in.below(8) < 6 ? 0 : 1 + in.below(3); changes > 0; --changes) change(in, line);
-    return line.dump(-1, ' ', false, Ordered::error_handler_t::replace);
+    return Line{std::move(line), {}};
   };
-  std::vector<std::string> lines{textOf(everyCall().front())};
+  std::vector<Line> lines{changed(everyCall().front())};
   while (!in.atEnd() && lines.size() < kMostLines)
-    lines.push_back(textOf(everyCall()[in.byte() % everyCall().size()]));
+    lines.push_back(changed(everyCall()[in.byte() % everyCall().size()]));
   return lines;
 }
 
@@ -187,12 +197,11 @@ void bound(Ordered& object, const char* key, int most) {
 }
 
 /// Lines that name no tables, with few steps of short loops. What is no object stays as it is.
-std::vector<std::string> prepared(std::vector<std::string> lines) {
+std::vector<std::string> prepared(std::vector<Line> lines) {
   int steps = 0;
   std::size_t bodies = 0;
   std::vector<std::string> out;
-  for (std::string& text : lines) {
-    Ordered line = Ordered::parse(text, nullptr, false);
+  for (auto& [line, text] : lines) {
     if (line.is_object()) {
       for (const char* key : {"tables", "hashes"})
         if (line.contains(key) && line[key].is_array()) line[key] = Ordered::array();
@@ -205,9 +214,9 @@ std::vector<std::string> prepared(std::vector<std::string> lines) {
         if (holder->is_object() && holder->contains("bodies")) bodies += (*holder)["bodies"].size();
       if (bodies > kMostBodies) break;
       if (line.contains("call") && line["call"] == "step" && ++steps > kMostSteps) break;
-      text = line.dump(-1, ' ', false, Ordered::error_handler_t::replace);
     }
-    out.push_back(std::move(text));
+    const bool isKept = line.is_discarded() || (!line.is_object() && !text.empty());
+    out.push_back(isKept ? std::move(text) : line.dump(-1, ' ', false, Ordered::error_handler_t::replace));
   }
   return out;
 }
@@ -263,8 +272,8 @@ void expectFaithful(const io::Replay& first, int threads) {
 void testInput(std::span<const std::uint8_t> bytes) {
   everyCall();
   const bool isText = !bytes.empty() && bytes.front() == '{';
-  std::vector<std::string> lines = isText ? linesOf({bytes.begin(), bytes.end()})
-                                          : forgedLines(ByteSource(bytes));
+  std::vector<Line> lines = isText ? parsedLines({bytes.begin(), bytes.end()})
+                                   : forgedLines(ByteSource(bytes));
   const std::optional<io::Replay> replay = replayGoodLines(prepared(std::move(lines)));
   if (replay) {
     expect(!replay->difference, "a log without tables has a difference");
