@@ -64,7 +64,7 @@ struct StepReport {
   std::vector<Growth> grown;  ///< the tables that grew
   std::vector<StageTime> stages;
   std::vector<RankReport> ranks;  ///< distributed only: by rank
-  double totalMs = 0;             ///< wall-clock time of the step
+  double totalMs = 0;             ///< wall-clock time of the step, or of one in a call of Worlds::step
 
   double stageMs(const std::string& name) const;
 };

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from ._options import FilterFields, Parameters, WorldOptions
 
 
+_CALL = 50.0  # how long a call of several steps may take, for Ctrl-C is seen between calls [ms]
+
+
 class _OneOf:
     """Owns the handle of a world, and keeps its batch alive."""
 
@@ -62,6 +65,7 @@ class Worlds:
         given = {"backend": backend, "threads": threads, "events": events, **options}
         self._handle = Handle(lib.rb_worlds_create, lib.rb_worlds_destroy, encode(given))
         self._worlds: dict[int, World] = {}
+        self._step_ms = float("inf")  # of the last step
         if scene is not None:
             self.add(scene, count)
 
@@ -101,9 +105,13 @@ class Worlds:
                 raise invalid("active", f"shape ({len(self)},)", f"shape {flags.shape}")
             mask = flags.ctypes.data
         with Progress(progress, f"{len(self)} worlds", count) as bar:
-            for k in range(count):
-                check(lib.rb_worlds_step(self._handle.pointer, 1, mask, ctypes.byref(report._plain)))
-                bar.update(k + 1, report.total_ms)
+            done = 0
+            while done < count:
+                most = 1 if progress else max(1, int(_CALL / max(self._step_ms, 1e-3)))
+                steps = min(most, count - done)
+                check(lib.rb_worlds_step(self._handle.pointer, steps, mask, ctypes.byref(report._plain)))
+                done, self._step_ms = done + steps, report.total_ms
+                bar.update(done, report.total_ms)
         self._handle.held.clear()
         return report
 

@@ -77,10 +77,10 @@ StepReport World::step() {
     try {
       impl_->engine->step(out);
     } catch (const LostPausedContacts&) {
-      impl_->countStep(out, false);
+      impl_->countSteps(1, out, false);
       throw;
     }
-    impl_->countStep(out, false);
+    impl_->countSteps(1, out, false);
     impl_->finishStep(out);
     out.broken = impl_->broken;
     return out;

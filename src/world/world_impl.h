@@ -221,14 +221,15 @@ struct World::Impl {
       return std::numeric_limits<std::int64_t>::max();
     return (*registry.script)[static_cast<std::size_t>(registry.nextEvent)].step - registry.step;
   }
-  /// Counts a step of this world, alone or with others. `listsAnew`: joints that broke before are listed.
-  void countStep(const StepReport& taken, bool listsAnew) noexcept {
-    ++registry.step;
-    registry.time += params.dt;
-    registry.hasUnlistedBreaks |= taken.brokenJoints > 0;
+  /// Counts steps of this world, alone or with others. `listsAnew`: joints that broke before are listed.
+  void countSteps(int number, const StepReport& last, bool listsAnew) noexcept {
+    registry.step += number;
+    for (; number > 0; --number) registry.time += params.dt;  // with the bits of single steps
+    registry.hasUnlistedBreaks |= last.brokenJoints > 0;
     if (listsAnew) broken.clear();
+    if (last.difference.empty()) difference.clear();
   }
-  /// Collects what is to be reported of a step that was counted.
+  /// Collects what is to be reported of the last step that was counted.
   void finishStep(const StepReport& taken);
   /// Adds the joints that broke to `broken`, if that was not done yet.
   void findUnlistedBreaks();

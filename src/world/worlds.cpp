@@ -56,38 +56,59 @@ void Worlds::Impl::requireDistinct(std::span<const int> some) const {
     throw Error("worlds", "each world once", "one of them twice");
 }
 
-WorldsReport Worlds::Impl::step(std::size_t batch, int steps, std::span<const char> active) {
+Worlds::Impl::Taken Worlds::Impl::step(std::size_t batch, int steps, std::span<const char> active) {
   const int first = static_cast<int>(batch) * perBatch, size = batches[batch]->count();
   std::vector<char> paused;
   if (!active.empty())
     for (int w = first; w < first + size; ++w) paused.push_back(active[static_cast<std::size_t>(w)] == 0);
   const auto isPaused = [](char each) { return each != 0; };
-  WorldsReport report;
-  if (!paused.empty() && std::ranges::all_of(paused, isPaused)) return report;
+  Taken taken;
+  if (!paused.empty() && std::ranges::all_of(paused, isPaused)) return taken;
   if (std::ranges::none_of(paused, isPaused)) paused.clear();
+  const auto isActive = [&](int w) { return paused.empty() || !paused[static_cast<std::size_t>(w - first)]; };
+  // A visit of thousands of worlds misses the caches: it is a sixth of a step of a device.
   const auto forEachActive = [&](auto&& f) {
     for (int w = first; w < first + size; ++w)
-      if (paused.empty() || !paused[static_cast<std::size_t>(w - first)]) f(at(w));
+      if (isActive(w)) f(at(w));
   };
-  for (int w = first; w < first + size; ++w) at(w).flush();
-  forEachActive([](World::Impl& world) { world.findUnlistedBreaks(); });
-  for (int k = 0; k < steps; ++k) {
-    report = {};
+  for (int w = first; w < first + size; ++w) {
+    at(w).flush();
+    if (isActive(w)) at(w).findUnlistedBreaks();
+  }
+  int done = 0, counted = 0;
+  const auto count = [&](const StepReport& last) {
+    forEachActive([&](World::Impl& world) {
+      world.countSteps(done - counted, last, done > 1);
+      taken.breaks |= !world.broken.empty();
+    });
+    counted = done;
+  };
+  const Undo countRest([&] {
+    if (counted < done) count({});
+  });
+  while (done < steps) {
+    WorldsReport& report = taken.report = {};
     batches[batch]->flush();  // what joints that broke have changed
-    const auto finish = [&] {
+    const auto finish = [&](bool isLast) {
+      ++done;
+      const bool tells = options.events || report.brokenJoints > 0 || !report.difference.empty();
       // all have taken the step before any of them reports it
-      forEachActive([&](World::Impl& world) { world.countStep(report, k > 0); });
-      forEachActive([&](World::Impl& world) { world.finishStep(report); });
+      if (tells || isLast) count(report);
+      if (!tells) return;
+      forEachActive([&](World::Impl& world) {
+        world.finishStep(report);
+        taken.breaks |= !world.broken.empty();
+      });
     };
     try {
       batches[batch]->worlds().stepWorlds(report, paused);
     } catch (const LostPausedContacts&) {
-      finish();
+      finish(true);
       throw;
     }
-    finish();
+    finish(done + 1 == steps);
   }
-  return report;
+  return taken;
 }
 
 Worlds::Worlds(const WorldOptions& options) try {
@@ -153,6 +174,7 @@ WorldsReport Worlds::step(int steps, std::span<const char> active) {
     throw Error("active", "one element per world, " + std::to_string(count()), std::to_string(active.size()));
   return withMemory("step", [&] {
     WorldsReport report;
+    bool breaks = false;
     int left = steps;
     do {
       // up to the next scripted event of a world
@@ -164,20 +186,21 @@ WorldsReport Worlds::step(int steps, std::span<const char> active) {
         if (own.stepsToEvent() <= 0) (*this)[w].runEvents();
         stride = static_cast<int>(std::min<std::int64_t>(stride, own.stepsToEvent()));
       }
-      std::vector<WorldsReport> reports(impl_->batches.size());
-      impl_->forEachBatch([&](std::size_t k) { reports[k] = impl_->step(k, stride, active); });
-      report = {};
-      for (const WorldsReport& each : reports) accumulate(report, each);
+      std::vector<Impl::Taken> taken(impl_->batches.size());
+      impl_->forEachBatch([&](std::size_t k) { taken[k] = impl_->step(k, stride, active); });
+      report = {}, breaks = false;
+      for (const Impl::Taken& each : taken) accumulate(report, each.report), breaks |= each.breaks;
       left -= stride;
     } while (left > 0);
-    impl_->listBreaks(report, active);
-    report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+    if (breaks) impl_->listBreaks(report, active);
+    report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count() /
+                     std::max(steps, 1);
     if (const LogSink& log = impl_->options.log) {
       for (int w = 0; w < count(); ++w) impl_->idle.add(impl_->at(w).idle);
       logStep(report, "a step of " + std::to_string(count()) + " worlds", log);
       impl_->idle.write(log);
     }
-    for (int w = 0; w < count(); ++w)
+    for (int w = 0; breaks && w < count(); ++w)
       if (active.empty() || active[static_cast<std::size_t>(w)]) impl_->at(w).broken.clear();
     return report;
   });

@@ -83,8 +83,13 @@ struct Worlds::Impl {
       batches.push_back(std::make_shared<Batch>(makeEngine(options), options.params, family));
     return batches.back();
   }
-  /// Steps of the worlds of a batch that are active; no world: all are. The report is that of the last step.
-  WorldsReport step(std::size_t batch, int steps, std::span<const char> active);
+  /// What the last step of a batch has left to report.
+  struct Taken {
+    WorldsReport report;
+    bool breaks = false;  ///< worlds have joints that broke and that no report has listed
+  };
+  /// Steps of the worlds of a batch that are active; no world: all are.
+  Taken step(std::size_t batch, int steps, std::span<const char> active);
   /// Takes back the last worlds.
   void dropWorlds(int count) noexcept {
     const auto dropEmpty = [&] {

@@ -92,6 +92,46 @@ TEST(Worlds, WithScriptsHaveTheReportOfTheLastStep) {
   EXPECT_EQ(test::stateOf(plain[w]), test::stateOf(alone));
 }
 
+/// A call of several steps is as many calls: the same bits, time, breaks and report as after the last one.
+TEST(Worlds, TakeSeveralStepsAsOneByOne) {
+  // weights on joints that break after different numbers of steps
+  const auto hanging = [](double mass) {
+    Scene scene = test::emptyScene();
+    scene.bodies.push_back(test::unitCube({0, 0, 0}));
+    scene.bodies.back().mass = mass;
+    JointDef joint;
+    joint.bodyA = 0, joint.breakForce = 3000;
+    scene.joints = {joint};
+    return scene;
+  };
+  for (const bool events : {false, true}) {
+    WorldOptions options = worldsOptions("cpu", 2);
+    options.events = events;
+    Worlds together(options), single(options);
+    for (int w = 0; w < 40; ++w)
+      for (Worlds* const worlds : {&together, &single}) worlds->add(hanging(200 + 10 * w));
+    int breaks = 0;
+    for (const int steps : {1, 4, 2, 7, 3}) {
+      const WorldsReport all = together.step(steps);
+      WorldsReport last;
+      for (int k = 0; k < steps; ++k) last = single.step();
+      breaks += static_cast<int>(last.broken.size());
+      EXPECT_EQ(all.broken, last.broken);
+      EXPECT_EQ(all.brokenIn, last.brokenIn);
+      EXPECT_EQ(all.contacts, last.contacts);
+      for (int w = 0; w < 40; ++w) {
+        ASSERT_EQ(together[w].hash(), single[w].hash()) << w;
+        EXPECT_EQ(together[w].time(), single[w].time()) << w;
+        EXPECT_EQ(together[w].stepCount(), single[w].stepCount()) << w;
+        EXPECT_EQ(together[w].state(together[w].joints()[0]).broken,
+                  single[w].state(single[w].joints()[0]).broken);
+        EXPECT_EQ(together[w].events().joints.size(), single[w].events().joints.size()) << w;
+      }
+    }
+    EXPECT_GT(breaks, 0);
+  }
+}
+
 TEST(Worlds, AgreeInLockstep) {
   Worlds worlds(worldsOptions("lockstep"));
   const RandomWorlds random{400, 5};
