@@ -89,7 +89,7 @@ struct ExcludedPair {
 };
 
 /// World AABB swept over the step, with its cell in the grid of its level.
-struct Bounds {
+struct alignas(4 * sizeof(Real)) Bounds {
   Vec3 center, half;  ///< [m]
   Vec3 path;          ///< predicted displacement in the step [m]
   int level;          ///< -1: not in the grid (planes, removed bodies)
@@ -98,7 +98,7 @@ struct Bounds {
 
 /// What the last search for the neighbors of a body depended on, and what it found
 /// (stages/pairs/lasting_search.h). All 0: there was none.
-struct NeighborSearch {
+struct alignas(4 * sizeof(Real)) NeighborSearch {
   Vec3 center;             ///< of its bounds, or the position of a plane [m]
   int layer;               ///< of its grid entry; negative: it had none
   Vec3 half;               ///< of its bounds with the slack of that search [m], or the normal of a plane

@@ -245,7 +245,11 @@ class CudaExecutor : private ScanLauncher {
   void run(const FindUnpairedImpacts& kernel, int Counters::*n) {
     runRarely(FindUnpairedImpactsByWarp{kernel}, n);
   }
-  void run(const FindPairs<false>& kernel, int n) { search<FindPairsByTile>(kernel, n); }
+  /// Lanes look at neighbors side by side.
+  void run(const FindPairs<false>& kernel, int n) {
+    withLanes<4, 8>(lanesFor<4, 8>(n, residentThreads()),
+                    [&]<int kLanes>() { run(FindPairsByTile<kLanes>{kernel}, n); });
+  }
 
   /// Stages in which a few elements have very many parts.
   void run(const WritePairs<false>&, int n) { writePairs(n, {}); }

@@ -10,8 +10,8 @@ namespace rubble::RUBBLE_CORE {
 struct ComputeBoundsByWarp {
   static constexpr const char* kStage = ComputeBounds::kStage;
   __device__ void operator()(const SolverData& s, int i) const {
-    if (!ComputeBounds::place(s, i)) return;
-    const Bounds& b = s.bounds[i];
+    const Bounds b = ComputeBounds::place(s, i);
+    if (b.level < 0) return;
     const unsigned peers = __match_any_sync(__activemask(), b.level);
     const int lane = static_cast<int>(threadIdx.x % kWarp), first = __ffs(static_cast<int>(peers)) - 1;
     int& members = s.counters->levelCount[b.level];

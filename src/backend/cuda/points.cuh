@@ -19,9 +19,10 @@ __device__ inline float4 transposed(const float4& v, const PointTile& tile) {
   return upper ? make_float4(c, d, pairs.z, pairs.w) : make_float4(pairs.x, pairs.y, c, d);
 }
 
-/// Loads four consecutive Lane4 fields, at the point of this lane.
+/// Loads four consecutive Lane4 fields, at the point of this lane: at once, where a plain load would be split
+/// into one of four bytes for each element that a lane sends or keeps.
 __device__ inline float4 loadFields(const Lanes& first, const PointTile& tile) {
-  return transposed(reinterpret_cast<const float4*>(&first)[tile.lane], tile);
+  return transposed(__ldca(reinterpret_cast<const float4*>(&first) + tile.lane), tile);
 }
 /// Stores the first `count` of four consecutive fields, at the points of all lanes.
 __device__ inline void storeFields(Lanes& first, int count, const float4& values, const PointTile& tile) {
@@ -40,7 +41,8 @@ __device__ inline Manifold manifoldOfPoint(const Manifold& m, const PointTile& t
   Manifold own;
   float4 shared[kSharedQuads];
 #pragma unroll
-  for (int q = 0; q < kSharedQuads; ++q) shared[q] = reinterpret_cast<const float4*>(&m.localNormal)[q];
+  for (int q = 0; q < kSharedQuads; ++q)
+    shared[q] = __ldca(reinterpret_cast<const float4*>(&m.localNormal) + q);
   memcpy(static_cast<void*>(&own.localNormal), shared, sizeof shared);
   own.aX[0] = onA.x, own.aY[0] = onA.y, own.aZ[0] = onA.z, own.bX[0] = onA.w;
   own.bY[0] = onB.x, own.bZ[0] = onB.y, own.lambdaN[0] = onB.z, own.lambda1[0] = onB.w;

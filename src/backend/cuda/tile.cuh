@@ -50,9 +50,13 @@ template <int kWidth> struct Tile {
     }
     return total - a;
   }
-  /// Bit k: the flag of lane k.
+  /// Bit k: the flag of lane k. The vote of a part of a warp would be taken part by part.
   __device__ unsigned ballot(bool yes) const {
-    return (__ballot_sync(mask, yes) & mask) >> (__ffs(static_cast<int>(mask)) - 1);
+    if constexpr (kWidth == kWarp) return __ballot_sync(mask, yes);
+    unsigned bits = static_cast<unsigned>(yes) << lane;
+#pragma unroll
+    for (int step = kWidth / 2; step > 0; step /= 2) bits |= __shfl_xor_sync(mask, bits, step, kWidth);
+    return bits;
   }
 };
 

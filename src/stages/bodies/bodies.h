@@ -77,9 +77,9 @@ struct PredictBodies {
     // Contacts may also hold a torque, and a guess that lifts a body off its contact points loses their load.
     const bool twisted = torque != Vec3{0, 0, 0} && !s.plan.literalRotations;
     const Quat turned = twisted ? expRotation(c.dt * unlocked(w, extras.locks >> 3)) : target.y.q;
-    moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(turned), 0};
-    s.dq[i] = turned;
-    s.target[i] = target;
+    storeWhole(moved, {inertialDisplacement(v, guess, c.dt), 0, logRotation(turned), 0});
+    storeWhole(s.dq[i], turned);
+    storeWhole(s.target[i], target);
   }
 };
 
@@ -194,9 +194,9 @@ template <class L> RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
 
 /// Starts the local problem of a body with its inertia; returns the present pose.
 RUBBLE_HD inline Pose startBlock(const SolverData& s, int i, Block6& block) {
-  const BodyTarget& target = s.target[i];
+  const BodyTarget& target = loadUnchanging(s.target[i]);
   const Real inverseDt2 = s.step->inverseDt * s.step->inverseDt;
-  const Pose x{s.dx[i].dp, s.dq[i]};
+  const Pose x{loadUnchanging(s.dx[i]).dp, loadUnchanging(s.dq[i])};
   setInertialForce(block, target.mass, x, target.y, inverseDt2);
   setInertialHessian(block, target.mass, inverseDt2);
   return x;
@@ -262,14 +262,16 @@ template <class L> RUBBLE_HD L squaredStep(const Vec3T<L>& to, const Vec3T<L>& f
 
 /// Solves the local problem of a body at x and applies its step.
 RUBBLE_HD inline void finishBlock(const SolverData& s, int i, Block6 block, Pose x) {
-  if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
+  const BodyTarget& target = loadUnchanging(s.target[i]);
+  if (target.locks != 0) lockAxes(block, target.locks);
   const Pose before = x;
-  const Descent how = descend(block, s.target[i].mass, s.step->inverseDt * s.step->inverseDt, x);
+  const Descent how = descend(block, target.mass, s.step->inverseDt * s.step->inverseDt, x);
   if (how != Descent::Newton)
     atomicCount(how == Descent::Failed ? &s.counters->failedSolves : &s.counters->boundedSteps, 1);
   if (how == Descent::Failed) return;
-  s.dq[i] = x.q;
-  s.dx[i] = {x.p, squaredStep(x.p, before.p), logRotation(x.q), Real(4) * squaredStep(x.q.v, before.q.v)};
+  storeWhole(s.dq[i], x.q);
+  storeWhole(s.dx[i],
+             {x.p, squaredStep(x.p, before.p), logRotation(x.q), Real(4) * squaredStep(x.q.v, before.q.v)});
 }
 
 /// Adds the constraints of a body, incidences [k, end).

@@ -80,7 +80,7 @@ RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth, Rea
 /// Displacement of a body at its inertial target.
 RUBBLE_HD inline Displacement targetDisplacement(const SolverData& s, int body) {
   if (!isDynamic(s, body)) return loadUnchanging(s.dx[body]);
-  const Pose& y = s.target[body].y;
+  const Pose& y = loadUnchanging(s.target[body]).y;
   return {y.p, 0, logRotation(y.q), 0};
 }
 
@@ -127,7 +127,7 @@ RUBBLE_HD inline Real activationReach(const SolverData& s, const OrderedPair& o,
       move = s.dx[body].dp;
       return length(s.dx[body].dw) * radius;
     }
-    const Pose& y = s.target[body].y;
+    const Pose& y = loadUnchanging(s.target[body]).y;
     move = y.p;
     // an angle is less than pi times the sine of its half
     return Real(3.1416) * length(y.q.v) * radius;

@@ -256,28 +256,30 @@ struct FindPathNeighbors {
 template <bool kParts> struct FindPairs {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    NeighborSearch& search = s.neighborSearch[i];
-    search.found = neighborsOf(s, i), search.partners = 0;
+    const int found = neighborsOf(s, i);
+    std::uint32_t marked = 0;
     int count = 0;
     if (s.bounds[i].level >= 0) {
       int* const slots = s.pairSlot + i * kPairSlots;
       const auto take = [&](int other, int slot) {
         const int pairs = pairsWith(s, i, other);
-        if (pairs > 0 && slot < kPairSlots) search.partners |= 1u << slot;
+        if (pairs > 0 && slot < kPairSlots) marked |= 1u << slot;
         count += pairs;
         return pairs > 0;
       };
-      if (search.found > kPairSlots) {
+      if (found > kPairSlots) {
         int partners = 0;
         searchPartners(s, i, [&](int other) {
           if (partners < kPairSlots) slots[partners] = other;
           if (take(other, partners)) ++partners;
         });
       } else {
-        for (int k = 0; k < search.found; ++k)
+        for (int k = 0; k < found; ++k)
           if (isPartner(s, i, slots[k])) take(slots[k], k);
       }
     }
+    NeighborSearch& search = s.neighborSearch[i];
+    search.found = found, search.partners = marked;
     s.pairCount[i] = count;
   }
   /// Is a neighbor of a body in the grid its partner?

@@ -95,8 +95,8 @@ RUBBLE_HD inline bool isInGrid(const SolverData& s, int i) {
 struct ComputeBounds {
   static constexpr const char* kStage = "bounds";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (!place(s, i)) return;
-    const Bounds& b = s.bounds[i];
+    const Bounds b = place(s, i);
+    if (b.level < 0) return;
     if (int* members = &s.counters->levelCount[b.level]; atomicLoad(members) <= kListedBodies)
       list(s, b.level, atomicCount(members, 1), i);
     raiseExtents(s, b, [](int* most, int value) {
@@ -107,12 +107,21 @@ struct ComputeBounds {
   RUBBLE_HD static void list(const SolverData& s, int level, int k, int i) {
     if (k < kListedBodies) s.counters->levelBody[level][k] = i;
   }
-  /// Everything but the maxima of the level. Returns false if the body is not in the grid.
-  RUBBLE_HD static bool place(const SolverData& s, int i) {
+  /// Everything but the maxima of the level.
+  RUBBLE_HD static Bounds place(const SolverData& s, int i) {
+    const Bounds b = boundsNow(s, i);
+    storeVectorized(s.bounds[i], [&](Bounds& to) { return to = b, true; });
+    if (b.level >= 0)
+      atomicCount(&s.bucketCount[bucketOf(s, layerOf(s.worldOf(i), b.level), b.x, b.y, b.z)], 1);
+    return b;
+  }
+
+ private:
+  RUBBLE_HD static Bounds boundsNow(const SolverData& s, int i) {
     const BodyParams& p = s.params[i];
-    Bounds& b = s.bounds[i];
+    Bounds b{};
     b.level = -1;
-    if (!isInGrid(s, i)) return false;
+    if (!isInGrid(s, i)) return b;
     const Quat q = s.orientation[i];
     b.path = pathAhead(s, i);
     const Vec3 sweep = Real(.5) * b.path;
@@ -134,8 +143,7 @@ struct ComputeBounds {
       atomicRaise(&s.counters->pathCells, s.cells);
     }
     b.x = cellOf(b.center.x, size), b.y = cellOf(b.center.y, size), b.z = cellOf(b.center.z, size);
-    atomicCount(&s.bucketCount[bucketOf(s, layerOf(s.worldOf(i), b.level), b.x, b.y, b.z)], 1);
-    return true;
+    return b;
   }
 };
 

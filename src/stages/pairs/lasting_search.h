@@ -19,7 +19,7 @@ inline constexpr Real kLeastSteps = 4;
 
 /// Does body i move so far in a step that a search would not last?
 RUBBLE_HD inline bool isRestless(const SolverData& s, int i) {
-  const Bounds& b = s.bounds[i];
+  const Bounds& b = loadUnchanging(s.bounds[i]);
   return b.level >= 0 && kLeastSteps * longestSide(b.path) > searchSlack(b.level);
 }
 /// Slack of the search in this step, for a level [m].
@@ -41,7 +41,7 @@ RUBBLE_HD inline Bounds searchBox(const SolverData& s, const Bounds& b, int leve
 inline constexpr int kOutside = -1, kPlanes = -2;
 /// What a search for the neighbors of body or plane i depends on, with some slack around its box [m].
 RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i, Real slack = 0) {
-  const Bounds& b = s.bounds[i];
+  const Bounds& b = loadUnchanging(s.bounds[i]);
   if (b.level >= 0)
     return {b.center, layerOf(s.worldOf(i), b.level), b.half + Vec3{slack, slack, slack}, s.bodies, 0, 0};
   const BodyParams& p = s.params[i];
@@ -52,12 +52,16 @@ RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i, Real slack 
 }
 /// Notes the search for the neighbors of body or plane i in this step.
 RUBBLE_HD inline void noteSearch(const SolverData& s, int i) {
-  s.neighborSearch[i] = searchOf(s, i, slackNow(s, s.bounds[i].level));
+  storeVectorized(s.neighborSearch[i], [&](NeighborSearch& to) {
+    to = searchOf(s, i, slackNow(s, s.bounds[i].level));
+    return true;
+  });
 }
 /// Does the last search hold for body i?
 RUBBLE_HD inline bool searchHolds(const SolverData& s, int i) {
-  const NeighborSearch now = searchOf(s, i), &then = s.neighborSearch[i];
-  const bool inGrid = s.bounds[i].level >= 0;
+  const NeighborSearch now = searchOf(s, i), &then = loadUnchanging(s.neighborSearch[i]);
+  const Bounds& b = loadUnchanging(s.bounds[i]);
+  const bool inGrid = b.level >= 0;
   // a body that has left the grid has no pairs
   if (now.layer == kOutside) return true;
   if (now.bodies != then.bodies || now.layer != then.layer) return false;
@@ -65,8 +69,8 @@ RUBBLE_HD inline bool searchHolds(const SolverData& s, int i) {
     const Vec3 moved = abs(now.center - then.center) + abs(now.half - then.half);
     return moved.x + moved.y + moved.z == Real(0);
   }
-  const Real kept = kSlackKept * searchSlack(s.bounds[i].level);
-  const Vec3 way = abs(now.center - then.center) + s.bounds[i].half;
+  const Real kept = kSlackKept * searchSlack(b.level);
+  const Vec3 way = abs(now.center - then.center) + b.half;
   return way.x <= then.half.x - kept && way.y <= then.half.y - kept && way.z <= then.half.z - kept;
 }
 

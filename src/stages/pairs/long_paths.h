@@ -27,7 +27,7 @@ RUBBLE_HD inline bool pathsMeet(const SolverData& s, int i, int j) {
 }
 /// Does the broad phase pair body i, which is in the grid, with body j or plane j, if they may collide?
 RUBBLE_HD inline bool arePartners(const SolverData& s, int i, int j) {
-  const Bounds &a = s.bounds[i], &b = s.bounds[j];
+  const Bounds &a = loadUnchanging(s.bounds[i]), &b = loadUnchanging(s.bounds[j]);
   if (b.level < 0)
     return s.params[j].kind != BodyKind::Removed && s.params[j].shape.kind == ShapeKind::Plane &&
            touchesPlane(s, j, a);
@@ -85,7 +85,7 @@ struct ClearCellPaths {
 struct FillGrid {
   static constexpr const char* kStage = "grid";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const Bounds& b = s.bounds[i];
+    const Bounds& b = loadUnchanging(s.bounds[i]);
     if (b.level < 0) return;
     const int layer = layerOf(s.worldOf(i), b.level), bucket = bucketOf(s, layer, b.x, b.y, b.z);
     const int slot = s.bucketOffset[bucket] + atomicCount(&s.bucketCount[bucket], -1) - 1;
