@@ -22,7 +22,7 @@ inline constexpr Real kAggregateRelaxation = Real(.8);
 /// Vector from the center of an aggregate to the position p_i of a body [m].
 RUBBLE_HD inline Vec3 shiftOf(const SolverData& s, const Aggregate& aggregate, int body) {
   const Vec3 shift(s.position[body] - aggregate.center);
-  return aggregate.joined ? shift + loadUnchanging(s.dx[body]).dp : shift;
+  return aggregate.joined ? shift + s.dx[body].dp : shift;
 }
 
 /// Adds a block about one point to a block about another point; `shift` leads from the latter to the former.
@@ -62,16 +62,14 @@ RUBBLE_HD inline void addInertia(const SolverData& s, const Aggregate& aggregate
                                  int node, Block6& sum) {
   const bool isBody = node < s.bodies;
   const Vec3 place(placeOf(s, node) - origin);
-  MassMatrix own;
-  if (isBody) own = loadUnchanging(s.target[node]).mass;
-  const Real mass = isBody ? own.mass : massOf(s, s.softNode[node - s.bodies]);
+  const Real mass = isBody ? s.target[node].mass.mass : massOf(s, s.softNode[node - s.bodies]);
   sum.fl += mass * place;
   sum.fa.x += mass;
   if (!isBody) return;
-  Block6 inertial;
-  setInertialHessian(inertial, own, s.step->inverseDt * s.step->inverseDt);
-  addAtLever(sum, aggregate.joined ? place + s.dx[node].dp : place, {0, 0, 0}, inertial.ll.xx);
-  sum.aa += inertial.aa;
+  Block6 own;
+  setInertialHessian(own, s.target[node].mass, s.step->inverseDt * s.step->inverseDt);
+  addAtLever(sum, aggregate.joined ? place + s.dx[node].dp : place, {0, 0, 0}, own.ll.xx);
+  sum.aa += own.aa;
 }
 
 /// Computes the center of mass of an aggregate and the inertia about it from a sum about `origin`. Both are
@@ -142,9 +140,9 @@ struct FillBoundary {
 RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& aggregate, int body,
                                        Block6& sum) {
   if (body >= s.bodies) return;
-  const BodyTarget& target = loadUnchanging(s.target[body]);
+  const BodyTarget& target = s.target[body];
   Block6 own;
-  setInertialForce(own, target.mass, {loadUnchanging(s.dx[body]).dp, loadUnchanging(s.dq[body])}, target.y,
+  setInertialForce(own, target.mass, {s.dx[body].dp, s.dq[body]}, target.y,
                    s.step->inverseDt * s.step->inverseDt);
   sum.fl += own.fl;
   sum.fa += own.fa + cross(shiftOf(s, aggregate, body), own.fl);
@@ -154,8 +152,8 @@ RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& agg
 template <class L>
 RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregate, const ContactRows& r,
                                   int side, int lane, Block6T<L>& points) {
-  accumulateContact<L>(s.plan.coneHessian, r, side == 0, loadUnchanging(s.dx[r.a]), loadUnchanging(s.dx[r.b]),
-                       lane, points, shiftOf(s, aggregate, side == 0 ? r.a : r.b));
+  accumulateContact<L>(s.plan.coneHessian, r, side == 0, s.dx[r.a], s.dx[r.b], lane, points,
+                       shiftOf(s, aggregate, side == 0 ? r.a : r.b));
 }
 
 /// Adds an attachment to, or a contact with, vertices outside of the aggregate.
@@ -320,10 +318,9 @@ struct SolveAggregate {
 RUBBLE_HD inline void moveWithAggregate(const SolverData& s, const Aggregate& aggregate, int body) {
   if (body >= s.bodies) return;
   const Vec3 move = aggregate.step.lin + cross(aggregate.step.ang, shiftOf(s, aggregate, body));
-  const Pose x = retract({loadUnchanging(s.dx[body]).dp, loadUnchanging(s.dq[body])},
-                         {move, aggregate.step.ang});
-  storeWhole(s.dq[body], x.q);
-  storeWhole(s.dx[body], {x.p, 0, logRotation(x.q), 0});
+  const Pose x = retract({s.dx[body].dp, s.dq[body]}, {move, aggregate.step.ang});
+  s.dq[body] = x.q;
+  s.dx[body] = {x.p, 0, logRotation(x.q), 0};
 }
 
 struct MoveSlice {
