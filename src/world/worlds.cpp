@@ -66,7 +66,7 @@ Worlds::Impl::Taken Worlds::Impl::step(std::size_t batch, int steps, std::span<c
   if (!paused.empty() && std::ranges::all_of(paused, isPaused)) return taken;
   if (std::ranges::none_of(paused, isPaused)) paused.clear();
   const auto isActive = [&](int w) { return paused.empty() || !paused[static_cast<std::size_t>(w - first)]; };
-  // A visit of thousands of worlds misses the caches: it is a sixth of a step of a device.
+  // each visit of thousands of worlds misses the caches
   const auto forEachActive = [&](auto&& f) {
     for (int w = first; w < first + size; ++w)
       if (isActive(w)) f(at(w));

@@ -110,7 +110,7 @@ struct ComputeBounds {
   /// Everything but the maxima of the level.
   RUBBLE_HD static Bounds place(const SolverData& s, int i) {
     const Bounds b = boundsNow(s, i);
-    storeVectorized(s.bounds[i], [&](Bounds& to) { return to = b, true; });
+    storeWhole(s.bounds[i], b);
     if (b.level >= 0)
       atomicCount(&s.bucketCount[bucketOf(s, layerOf(s.worldOf(i), b.level), b.x, b.y, b.z)], 1);
     return b;

@@ -52,10 +52,7 @@ RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i, Real slack 
 }
 /// Notes the search for the neighbors of body or plane i in this step.
 RUBBLE_HD inline void noteSearch(const SolverData& s, int i) {
-  storeVectorized(s.neighborSearch[i], [&](NeighborSearch& to) {
-    to = searchOf(s, i, slackNow(s, s.bounds[i].level));
-    return true;
-  });
+  storeWhole(s.neighborSearch[i], searchOf(s, i, slackNow(s, s.bounds[i].level)));
 }
 /// Does the last search hold for body i?
 RUBBLE_HD inline bool searchHolds(const SolverData& s, int i) {
