@@ -86,7 +86,7 @@ template <class T> RUBBLE_HD RUBBLE_NEAR T loadVectorized(const T& from) {
 }
 /// fill(object) fills it and returns how many of its first bytes to write.
 template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeFirstBytes(T& to, Fill&& fill) {
-  static_assert(alignof(T) % sizeof(int4) == 0);
+  static_assert(sizeof(T) % sizeof(int4) == 0);
   T own;
   const std::size_t bytes = fill(own);
   Quads<T> quads;
@@ -118,24 +118,22 @@ template <class T> RUBBLE_HD RUBBLE_NEAR T loadUnchanging(const T& from) {
   memcpy(static_cast<void*>(&to), quads, sizeof to);
   return to;
 }
-/// Stores an object of 16 n bytes in a table, in 16 bytes at a time.
-template <class T> RUBBLE_HD RUBBLE_NEAR void storeWhole(T& to, const T& from) {
-  static_assert(sizeof(T) % sizeof(int4) == 0);
-  Quads<T> quads;
-  memcpy(quads, static_cast<const void*>(&from), sizeof from);
-  RUBBLE_UNROLL
-  for (std::size_t k = 0; k < sizeof(T) / sizeof(int4); ++k) reinterpret_cast<int4*>(&to)[k] = quads[k];
-}
 #else
 template <class T> RUBBLE_HD RUBBLE_NEAR const T& loadVectorized(const T& from) { return from; }
 template <class T> RUBBLE_HD RUBBLE_NEAR const T& loadUnchanging(const T& from) { return from; }
-template <class T> RUBBLE_HD RUBBLE_NEAR void storeWhole(T& to, const T& from) { to = from; }
 template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeFirstBytes(T& to, Fill&& fill) { fill(to); }
 template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) { fill(to); }
 template <class T, class Change> RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) {
   change(object);
 }
 #endif
+/// Stores an object of a table as a whole.
+template <class T> RUBBLE_HD RUBBLE_NEAR void storeWhole(T& to, const T& from) {
+  storeVectorized(to, [&](T& own) {
+    own = from;
+    return true;
+  });
+}
 
 /// Index of the lowest set bit of a non-zero number.
 RUBBLE_HD inline int lowestBit(unsigned a) {

@@ -140,30 +140,36 @@ TEST(FastBody, TwoOfThemMeetHeadOn) {
 }
 
 TEST(FastBody, ThatOnlyTurnsDoesNotPassWhatIsInItsWay) {
-  // a blade around its fixed middle, which turns by up to a radian in a step, and a ball that it meets
+  // a blade around its middle, which turns by up to a radian in a step and may move along with what it meets
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 8; ++k) corners.push_back({k & 1 ? .5 : -.5, k & 2 ? .005 : -.005, k & 4 ? .05 : -.05});
+  const Shape blades[] = {Shape::box({.5, .005, .05}), Shape::hull(corners)};
+  const Shape things[] = {Shape::sphere(.01), Shape::box({.01, .01, .01}), Shape::capsule(.008, .005)};
   test::Random random(3);
-  for (int sample = 0; sample < 40; ++sample) {
+  for (int sample = 0; sample < 48; ++sample) {
     const double speed = random.uniform(5, 60), distance = random.uniform(.1, .47),
                  angle = random.uniform(.5, 1.2);
     Scene scene = test::emptyScene({0, 0, 0});
-    BodyDef blade = test::body(Shape::box({.5, .005, .05}), {});
+    BodyDef blade = test::body(blades[sample % 2], {});
     blade.motion = Motion::Kinematic, blade.angularVelocity = {0, 0, speed};
-    scene.bodies.push_back(blade);
-    scene.bodies.push_back(
-        test::body(Shape::sphere(.01), {distance * std::cos(angle), distance * std::sin(angle), 0}));
+    BodyDef thing = test::body(things[sample % 3],
+                               {distance * std::cos(angle), distance * std::sin(angle), 0});
+    if (sample % 4 >= 2) blade.velocity = thing.velocity = {random.uniform(-3, 3), 0, 0};
+    scene.bodies = {blade, thing};
     World world(scene, test::options(4));
     const auto place = [&] {
-      return rotateInverse(world.state(world.bodyAt(0)).orientation, world.state(world.bodyAt(1)).position);
+      const BodyState of = world.state(world.bodyAt(0));
+      return rotateInverse(of.orientation, world.state(world.bodyAt(1)).position - of.position);
     };
     Vec3 before = place();
     for (double turned = 0; turned < angle + 1; turned += speed * kDt) {
       world.step();
       const Vec3 now = place();
       EXPECT_FALSE(before.y > 0 && now.y < 0 && now.x > 0 && now.x < .5)
-          << speed << " rad/s, ball at " << distance << " m";
+          << speed << " rad/s, at " << distance << " m, sample " << sample;
       before = now;
     }
-    EXPECT_GT(length(world.state(world.bodyAt(1)).velocity), 1);
+    EXPECT_GT(length(world.state(world.bodyAt(1)).velocity - thing.velocity), 1) << sample;
   }
 }
 

@@ -221,16 +221,14 @@ class CudaExecutor : private ScanLauncher {
   }
 
   /// Several lanes share the search of one body where bodies do not fill the device.
-  template <template <int> class ByTile, class Search> void search(const Search& kernel, int n) {
-    withLanes<1, 2, 8>(lanesFor<1, 2, 8>(n, residentThreads()), [&]<int kLanes>() {
-      if constexpr (kLanes == 1)
-        run<Search>(kernel, n);
-      else
-        run(ByTile<kLanes>{kernel}, n);
-    });
-  }
   void run(const FindNeighbors& kernel, int n) {
-    if (kStrict || peers_ || view().worlds == 1) return search<FindNeighborsByTile>(kernel, n);
+    if (kStrict || peers_ || view().worlds == 1)
+      return withLanes<1, 2, 8>(lanesFor<1, 2, 8>(n, residentThreads()), [&]<int kLanes>() {
+        if constexpr (kLanes == 1)
+          run<FindNeighbors>(kernel, n);
+        else
+          run(SearchByTile<FindNeighbors, kLanes>{kernel}, n);
+      });
     if (!begins() || n <= 0) return;
     enterStage(FindNeighbors::kStage);
     launchNext(findNeighborsOfWorlds, {blocksFor(n), kThreads}, FindNeighbors::kStage, view(), n,
@@ -245,7 +243,8 @@ class CudaExecutor : private ScanLauncher {
   void run(const FindUnpairedImpacts& kernel, int Counters::*n) {
     runRarely(FindUnpairedImpactsByWarp{kernel}, n);
   }
-  /// Lanes look at neighbors side by side.
+  /// Lanes look at neighbors side by side: 2 % of a settled step of a million bricks, and one more of its
+  /// smash.
   void run(const FindPairs<false>& kernel, int n) {
     withLanes<4, 8>(lanesFor<4, 8>(n, residentThreads()),
                     [&]<int kLanes>() { run(FindPairsByTile<kLanes>{kernel}, n); });

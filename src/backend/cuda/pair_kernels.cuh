@@ -36,7 +36,6 @@ template <class Search, int kTile> struct SearchByTile {
     search(s, i, tile.lane, kWidth);
   }
 };
-template <int kTile> using FindNeighborsByTile = SearchByTile<FindNeighbors, kTile>;
 /// FindNeighbors where there are many worlds. A block copies the boxes of the worlds of its bodies to shared
 /// memory, where a look does not wait for the cache (5 % of a step of `loose`).
 class NeighborsOfWorlds {
