@@ -233,13 +233,18 @@ RUBBLE_HD inline Separation separation(const Placed& a, const Placed& b) {
 
 /// Rigid motion at constant velocity within a step, until `until`.
 struct SweptMotion {
-  Vec3d move;        ///< displacement of the center [m]
-  Vec3d turn;        ///< rotation vector [rad]
-  double until = 1;  ///< fraction of the step after which it stands still
+  Vec3d move;        ///< displacement of the center in a whole step [m]
+  Vec3d turn;        ///< rotation vector, likewise [rad]
+  double until = 1;  ///< fraction of the step after which it goes on as `after` says
+  Vec3d after{};     ///< displacement in a whole step, without rotation [m]
 };
-/// The remaining motion at `fraction`.
+/// The motion from `fraction` on, until it changes.
 RUBBLE_HD inline SweptMotion motionFrom(const SweptMotion& motion, double fraction) {
-  return fraction < motion.until ? motion : SweptMotion{{}, {}, motion.until};
+  return fraction < motion.until ? motion : SweptMotion{motion.after, {}, motion.until};
+}
+/// Displacement of the center up to `fraction` [m].
+RUBBLE_HD inline Vec3d wayUntil(const SweptMotion& motion, double fraction) {
+  return motion.move * min(fraction, motion.until) + motion.after * max(0.0, fraction - motion.until);
 }
 /// The next fraction after `fraction` at which one of two motions ends, or 1.
 RUBBLE_HD inline double nextEnd(const SweptMotion& a, const SweptMotion& b, double fraction) {
@@ -256,10 +261,9 @@ RUBBLE_HD inline Quatd turnOf(const Vec3d& w) {
 
 RUBBLE_HD inline Placed movedBy(const Placed& s, const SweptMotion& motion, double fraction) {
   Placed m = s;
-  fraction = min(fraction, motion.until);
-  m.p += motion.move * fraction;
+  m.p += wayUntil(motion, fraction);
   if (motion.turn == Vec3d{}) return m;
-  const Quatd turn = turnOf(motion.turn * fraction);
+  const Quatd turn = turnOf(motion.turn * min(fraction, motion.until));
   m.q = turn * s.q;
   m.arm = rotate(turn, s.arm);
   m.p += m.arm - s.arm;
@@ -281,7 +285,7 @@ inline constexpr double kNoImpact = 2;
 /// The motion of a shape as far as its surface moves: a sphere about the center of its body does not rotate.
 RUBBLE_HD inline SweptMotion motionOfSurface(const Placed& s, const SweptMotion& motion) {
   const bool rotates = s.shape.kind != ShapeKind::Sphere || s.arm != Vec3d{};
-  return rotates ? motion : SweptMotion{motion.move, {}, motion.until};
+  return rotates ? motion : SweptMotion{motion.move, {}, motion.until, motion.after};
 }
 /// Separation of two shapes along a unit vector from A to B [m]: at most their distance; negative: overlap
 /// along n.

@@ -107,7 +107,7 @@ template <class Meet>
 RUBBLE_HD TimeOfImpact timeOfImpactWithTriangles(const PlacedAny& surface, const SweptMotion& motionS,
                                                  const Placed& part, const SweptMotion& motionP,
                                                  const ImpactRule& rule, Meet&& meet) {
-  const Vec3d move = motionP.move * motionP.until - motionS.move * motionS.until;
+  const Vec3d move = wayUntil(motionP, 1) - wayUntil(motionS, 1);
   const Vec3d x = rotateInverse(surface.q, part.p - surface.p), d = rotateInverse(surface.q, move);
   const double turns = length(motionS.turn) *
                        (length(x) + length(d));  // bounds the path of the part by this rotation
@@ -154,8 +154,8 @@ RUBBLE_HD TimeOfImpact timeOfImpactWithFieldTriangles(const PlacedAny& field, co
   for (int k = 0; k < lattice.pointCount; ++k) {
     const Vec3d lever = rotate(field.q, Vec3d(xyz(lattice.points[k])));
     const Vec3d from = rotateInverse(surface.q, field.p + lever - surface.p);
-    const Vec3d end = field.p + motionF.move * motionF.until + rotate(turnF, lever);
-    const Vec3d to = rotateInverse(turnS * surface.q, end - surface.p - motionS.move * motionS.until);
+    const Vec3d end = field.p + wayUntil(motionF, 1) + rotate(turnF, lever);
+    const Vec3d to = rotateInverse(turnS * surface.q, end - surface.p - wayUntil(motionS, 1));
     visitTrianglesAlong(surface.tables, surface.shape, from, to - from, {}, limit,
                         [&](const SurfaceTriangle& t) {
                           const Vec3d a(t.corner[0]);
@@ -208,7 +208,9 @@ RUBBLE_HD TimeOfImpact timeOfImpactWithField(const PlacedAny& field, const Swept
     return timeOfImpactWithFieldTriangles(field, motionF, other, motionO, rule, accepts);
   constexpr int kMostSteps = 128;
   const double speed = max(length(motionF.move - motionO.move),
-                           max(length(motionF.move), length(motionO.move)) *
+                           max(max(length(motionF.after - motionO.move),
+                                   length(motionF.move - motionO.after)),
+                               length(motionF.after - motionO.after)) *
                                (motionF.until < 1 || motionO.until < 1)) +
                        length(motionF.turn) * static_cast<double>(boundingRadius(field.shape)) +
                        length(motionO.turn) *

@@ -102,6 +102,8 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::ccdSeenBits, "ccdSeenBits", "", Per::Body, Lifetime::Work);
   is(&SolverData::ccdRound, "ccdRound", "", Per::Body, Lifetime::Work);
   is(&SolverData::ccdPair, "ccdPair", "", Per::Body, Lifetime::Work);
+  is(&SolverData::ccdCarrier, "ccdCarrier", "", Per::Body, Lifetime::Work);
+  is(&SolverData::ccdRunInto, "ccdRunInto", "", Per::Body, Lifetime::Work);
   is(&SolverData::ccdMotion, "ccdMotion", "m, rad", Per::Body, Lifetime::Work);
   is(&SolverData::nextCorrection, "nextCorrection", "m, rad", Per::Body, Lifetime::Work);
   is(&SolverData::nextColor, "nextColor", "", Per::Body, Lifetime::Unordered);

@@ -86,7 +86,8 @@ TEST(TimeOfImpact, OfSpheresInContactDoesNotDependOnTheirSpin) {
   EXPECT_GT(deeper, 20);
 }
 
-/// For fast-spinning bodies the time of impact is neither missed nor invented, also where motions end early.
+/// For fast-spinning bodies the time of impact is neither missed nor invented, also where motions end early
+/// or go on another way.
 TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
   constexpr int kSamples = 2000;
   constexpr double kTolerance = 1e-3;
@@ -99,6 +100,7 @@ TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
     SweptMotion motionA = someWay(random, .6, 3.), motionB = someWay(random, .6, 3.);
     if (k % 3 == 0) motionA.until = .2 + .1 * (k % 5);
     if (k % 5 == 0) motionB.until = .1 + .2 * (k % 4);
+    if (k % 6 == 0) motionA.after = Vec3d(random.vector(.6));
     if (separation(a, b).distance <= kTolerance) continue;
     const TimeOfImpact m = timeOfImpact(a, motionA, b, motionB, kTolerance);
     const bool meets = m.fraction <= 1;

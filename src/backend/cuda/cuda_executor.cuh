@@ -246,7 +246,7 @@ class CudaExecutor : private ScanLauncher {
   /// Lanes look at neighbors side by side: 2 % of a settled step of a million bricks, and one more of its
   /// smash.
   void run(const FindPairs<false>& kernel, int n) {
-    withLanes<4, 8>(lanesFor<4, 8>(n, residentThreads()),
+    withLanes<1, 8>(lanesFor<1, 8>(n, residentThreads()),
                     [&]<int kLanes>() { run(FindPairsByTile<kLanes>{kernel}, n); });
   }
 

@@ -6,10 +6,7 @@
 ///
 /// A CCD stop never changes velocities. Momentum is exchanged only by the ordinary contact in the next step,
 /// so a miss has no effect. Such a body loses the rest of one step per impact.
-#include <limits>
-
-#include "collision/sweep.h"
-#include "stages/coarse/forest.h"
+#include "stages/ccd/carriers.h"
 #include "stages/contacts/one_way.h"
 #include "stages/pairs/broad_phase.h"
 
@@ -67,6 +64,7 @@ struct FlagFast {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     s.ccdShareBits[i] = s.ccdPair[i] = s.ccdSeenBits[i] = s.ccdRound[i] = 0;
+    s.ccdCarrier[i] = s.ccdRunInto[i] = 0;
     const BodyParams& p = s.params[i];
     if (p.kind != BodyKind::Dynamic && p.kind != BodyKind::Kinematic) return;
     const Displacement& d = s.dx[i];
@@ -78,19 +76,13 @@ struct FlagFast {
     const bool moves = way2 > Real(0) || turn > Real(0),
                isFast = moves && (max(std::sqrt(way2), ahead) + turn > inner || s.fast[i] != 0);
     s.fast[i] = isFast;
+    if (moves && mayCarry(p) && atomicLoad(&s.counters->carriers) == 0) atomicRaise(&s.counters->carriers, 1);
     if (!isFast) return;
     s.fastBody[atomicCount(&s.counters->fastBodies, 1)] = i;
     atomicRaise(&s.counters->swept, s.counters->pairs);
     if (leavesPath(s, i, boundsOfMotion(s, i, 0, 1))) listSearched(s, i);
   }
 };
-
-/// Value of ccdPair for a body that stops with its CCD island (islands.h), in place of a pair.
-inline constexpr int kStopsWithIsland = std::numeric_limits<int>::max();
-/// The body that stores a stop: the root of a CCD island, or the body itself.
-RUBBLE_HD inline int ccdOwner(const SolverData& s, int body) {
-  return s.ccdPair[body] == kStopsWithIsland ? findRoot(s.root, body) : body;
-}
 
 /// A stopped body may block others whose search assumed its full motion. The search is therefore repeated in
 /// up to this many rounds, for pairs whose motion has been shortened, while it finds impacts.
@@ -108,6 +100,7 @@ struct BeginCcdRound {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int i = s.fastBody[k];
     const int bits = s.ccdShareBits[i], owner = ccdOwner(s, i);
+    if (const int mover = s.ccdRunInto[i]; mover != 0) atomicRaise(&s.ccdCarrier[owner], mover);
     if (bits <= atomicLoad(&s.ccdSeenBits[owner])) return;
     atomicRaise(&s.ccdSeenBits[owner], bits);
     s.ccdRound[owner] = s.counters->ccdRounds + 1;
@@ -126,8 +119,14 @@ struct ListStopped {
 /// The motion of a body in the step, according to the stops found so far.
 RUBBLE_HD inline SweptMotion motionIn(const SolverData& s, int body) {
   if (s.params[body].kind == BodyKind::Static) return {};
+  const auto until = [&](int k) {
+    return 1 - static_cast<double>(fromFloatBits(s.ccdSeenBits[ccdOwner(s, k)]));
+  };
   const Displacement& d = s.dx[body];
-  return {Vec3d(d.dp), Vec3d(d.dw), 1 - static_cast<double>(fromFloatBits(s.ccdSeenBits[ccdOwner(s, body)]))};
+  SweptMotion motion{Vec3d(d.dp), Vec3d(d.dw), until(body)};
+  if (motion.until < 1)
+    motion.after = carriedOn(s, body, carrierOf(s, body), motion.until, until).way / (1 - motion.until);
+  return motion;
 }
 
 /// Has the motion of a body of the pair changed since the last round?
@@ -158,10 +157,11 @@ RUBBLE_HD inline TimeOfImpact timeOfImpactOfPair(const Placed& a, const SweptMot
   return m && m->count > 0 ? beyond(Vec3d(m->normal), m->normalOnB) : TimeOfImpact{kNoImpact, first.at};
 }
 
-/// Does `body` stop at `other`? A fast body does, and so does a dynamic body at a kinematic or static one.
+/// Does `body` stop at `other`? A fast body does, and so does a dynamic body at a kinematic or static one and
+/// at its carrier.
 RUBBLE_HD inline bool stopsAtImpact(const SolverData& s, int body, int other) {
-  if (s.params[body].kind != BodyKind::Dynamic) return false;
-  return s.fast[body] != 0 || s.params[other].kind != BodyKind::Dynamic;
+  if (s.params[body].kind != BodyKind::Dynamic || carries(s, body, other)) return false;
+  return s.fast[body] != 0 || s.params[other].kind != BodyKind::Dynamic || carries(s, other, body);
 }
 
 /// May the pair cause a CCD stop?
@@ -173,8 +173,9 @@ RUBBLE_HD inline bool mayImpact(const SolverData& s, const OrderedPair& o) {
 RUBBLE_HD inline Real approach(const SolverData& s, const OrderedPair& o, const SweptMotion& a,
                                const SweptMotion& b) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
-  const double both = min(a.until, b.until);
-  const double moves = max(length(a.move - b.move) * both, length(a.move * a.until - b.move * b.until));
+  const auto apart = [&](double t) { return length(wayUntil(a, t) - wayUntil(b, t)); };
+  const double both = min(a.until, b.until),
+               moves = max(length(a.move - b.move) * both, max(apart(max(a.until, b.until)), apart(1)));
   return static_cast<Real>(moves +
                            length(a.turn) * a.until * static_cast<double>(pa.radius - pa.shape.radius) +
                            length(b.turn) * b.until * static_cast<double>(pb.radius - pb.shape.radius));
@@ -186,17 +187,18 @@ RUBBLE_HD inline Vec3 halfOfMotion(const SolverData& s, int i, const SweptMotion
   const Real turn = static_cast<Real>(min(length(m.turn) * m.until, 1.0)) * p.radius;
   return boundingHalf(p.shape, s.orientation[i]) + Vec3{turn, turn, turn};
 }
-/// Do the bounding spheres and boxes of two bodies touch on their motions up to `limit`? Both move until the
-/// first of them stops, and then the other one alone. They are larger by the gap at which an impact is found.
+/// Do the bounding spheres and boxes of two bodies touch on their motions up to `limit`? They move on
+/// straight lines until one of them stops. They are larger by the gap at which an impact is found.
 RUBBLE_HD inline bool boundsMeet(const SolverData& s, int i, int j, const SweptMotion& a,
                                  const SweptMotion& b, double limit = 1) {
   constexpr double kTouching = 2 * static_cast<double>(kImpactGap);
   const double radii = static_cast<double>(s.params[i].radius + s.params[j].radius), gap = kTouching * radii,
                reach = radii + gap;
   const auto between = [&](double t) {
-    return s.position[j] - s.position[i] + b.move * min(t, b.until) - a.move * min(t, a.until);
+    return s.position[j] - s.position[i] + wayUntil(b, t) - wayUntil(a, t);
   };
-  const Vec3d corner[3] = {between(0), between(min(min(a.until, b.until), limit)), between(limit)};
+  const Vec3d corner[4] = {between(0), between(min(min(a.until, b.until), limit)),
+                           between(min(max(a.until, b.until), limit)), between(limit)};
   const auto spheresMeet = [&](const Vec3d& from, const Vec3d& way) {
     const double size2 = dot(way, way), t = size2 > 0 ? clamp(-dot(from, way) / size2, 0.0, 1.0) : 0.0;
     return lengthSquared(from + way * t) <= reach * reach;
@@ -205,7 +207,7 @@ RUBBLE_HD inline bool boundsMeet(const SolverData& s, int i, int j, const SweptM
     const Vec3d half = Vec3d(halfOfMotion(s, i, a) + halfOfMotion(s, j, b)) + Vec3d{gap, gap, gap};
     return passes(from, inverseOf(way), half, 1);
   };
-  for (int k = 0; k < 2; ++k)
+  for (int k = 0; k < 3; ++k)
     if (const Vec3d way = corner[k + 1] - corner[k]; spheresMeet(corner[k], way) && boxesMeet(corner[k], way))
       return true;
   return false;
@@ -272,9 +274,25 @@ struct ChooseCcdPairs {
   }
 };
 
+/// The motion of a body that stops in this step. A carrier, or -1, moves it in the rest of the step.
+RUBBLE_HD inline Displacement stoppedMotion(const SolverData& s, int body, int carrier) {
+  const auto until = [&](int k) {
+    const bool withIsland = s.ccdPair[k] == kStopsWithIsland;
+    return 1 - static_cast<double>(
+                   fromFloatBits(withIsland ? s.ccdSeenBits[findRoot(s.root, k)] : s.ccdShareBits[k]));
+  };
+  const Real done = Real(1) - fromFloatBits(s.ccdShareBits[body]);
+  Displacement d = s.dx[body];
+  d.dp *= done, d.dw *= done;
+  if (carrier < 0) return d;
+  const Carried rest = carriedOn(s, body, carrier, static_cast<double>(done), until);
+  d.dp += Vec3(rest.way);
+  d.dw = logRotation(expRotation(Vec3(rest.turn)) * expRotation(d.dw));
+  return d;
+}
+
 /// The motions of stopped bodies. A kinematic body carries a body that it has met along for the rest of the
-/// step. A dynamic one does not, because the carried motion would not be swept; the rows of the next step
-/// resolve that contact.
+/// step, a static one holds it.
 struct StopBodies {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -284,19 +302,14 @@ struct StopBodies {
     if (s.ccdPair[o.b] == i + 1) stop(s, o.b, o.a);
   }
 
+ private:
   RUBBLE_HD static void stop(const SolverData& s, int body, int other) {
     atomicCount(&s.counters->stopped, 1);
-    const Real left = fromFloatBits(s.ccdShareBits[body]), done = Real(1) - left;
-    Displacement d = s.dx[body];
-    d.dp *= done, d.dw *= done;
-    if (s.params[other].kind == BodyKind::Kinematic) {
-      const Displacement& e = s.dx[other];
-      const Vec3 arm = Vec3(s.position[body] - s.position[other]) + d.dp - done * e.dp;
-      const Quat turn = expRotation(left * e.dw);
-      d.dp += left * e.dp + rotate(turn, arm) - arm;
-      d.dw = logRotation(turn * expRotation(d.dw));
-    }
-    s.ccdMotion[body] = d;
+    const BodyKind kind = s.params[other].kind;
+    s.ccdMotion[body] = stoppedMotion(s, body,
+                                      kind == BodyKind::Kinematic ? other
+                                      : kind == BodyKind::Dynamic ? lastCarrierOf(s, body)
+                                                                  : -1);
   }
 };
 

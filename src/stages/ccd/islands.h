@@ -2,6 +2,7 @@
 /// CCD islands: bodies connected by rigid joints. Stopping one of them alone would open its joints by the
 /// rest of its motion. The whole island therefore stops at the earliest time of impact of its bodies, and
 /// all of them keep their velocities.
+#include "stages/ccd/fast_bodies.h"
 #include "stages/coarse/aggregates.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -44,8 +45,7 @@ struct StopCcdIslands {
     if (root == i) atomicCount(&s.counters->stopped, 1);
     s.ccdRound[i] = s.ccdShareBits[i] == bits ? kOwnImpact : 0;
     s.ccdShareBits[i] = bits;
-    const Real done = Real(1) - fromFloatBits(bits);
-    s.ccdMotion[i] = {done * s.dx[i].dp, 0, done * s.dx[i].dw, 0};
+    s.ccdMotion[i] = stoppedMotion(s, i, carrierOf(s, i));
   }
 };
 

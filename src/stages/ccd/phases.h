@@ -17,6 +17,7 @@ template <Executor E> void stop(E& e) {
     e.forEach(StartCcdIslands{}, s.bodies);
     forEachJoint<JoinCcdIslands>(e);
   }
+  e.forEach(FindCarriers{}, &Counters::swept);
   e.forEach(FindImpacts{}, &Counters::swept);
   if (s.generalShapes) e.forEach(FindGeneralImpacts{}, &Counters::swept);
   e.beside(FindUnpairedImpacts{}, &Counters::searchedBodies);

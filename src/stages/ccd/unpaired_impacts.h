@@ -121,20 +121,30 @@ struct FindUnpairedImpacts {
       if (end >= stop) return;
     }
   }
+  /// Bounding box of a body after it has stopped.
+  RUBBLE_HD static Bounds boundsOfRest(const SolverData& s, int i, const SweptMotion& motion) {
+    const Real end = static_cast<Real>(motion.until);
+    Bounds b = boundsOfMotion(s, i, end, end);
+    b.path = Vec3(motion.after * (1 - motion.until));
+    b.center += Real(.5) * b.path, b.half += Real(.5) * abs(b.path);
+    return b;
+  }
   /// A stopped body waits where it stands for those whose way it then blocks.
   template <class Sweeps>
   RUBBLE_HD void searchPlace(const SolverData& s, int i, int lane, int lanes, const Sweeps& sweeps) const {
     const SweptMotion motion = motionIn(s, i);
-    const Real end = static_cast<Real>(motion.until);
     const auto sweep = [&](int other) {
       const double fraction = timeOfImpactWithBody(s, i, motion, other);
       if (!(fraction <= 1)) return;
       const int bits = shareBits(fraction);
       raiseCcdShare(s, i, bits);
+      // a kinematic body does not stop: it pushes on what has no other carrier
+      if (fraction > motion.until && s.params[other].kind == BodyKind::Kinematic && carrierOf(s, i) < 0)
+        atomicRaise(&s.ccdRunInto[i], other + 1);
       if (stopsAtImpact(s, other, i)) raiseCcdShare(s, other, bits);
     };
     searchWay(
-        s, i, boundsOfMotion(s, i, end, end),
+        s, i, boundsOfRest(s, i, motion),
         [&](int other) {
           if (mayStop(s, i, motion, other, 1)) sweeps.add(other, sweep);
         },
@@ -188,8 +198,7 @@ struct StopUnpairedBodies {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->fastBodies == 0 || s.ccdShareBits[i] == 0 || s.ccdPair[i] != 0) return;
     atomicCount(&s.counters->stopped, 1);
-    const Real done = Real(1) - fromFloatBits(s.ccdShareBits[i]);
-    s.ccdMotion[i] = {done * s.dx[i].dp, 0, done * s.dx[i].dw, 0};
+    s.ccdMotion[i] = stoppedMotion(s, i, lastCarrierOf(s, i));
   }
 };
 

@@ -8,15 +8,19 @@ namespace rubble::RUBBLE_CORE {
 /// lever.
 inline constexpr Real kUnrolled2 = Real(1e-4);
 
+/// Cosine of the angle between the normal of a contact and the axis of a cylinder or cone above which it is
+/// at its flat end [1].
+inline constexpr Real kFlatEnd = Real(.99);
+
 /// As sweptBy(), for rotations above that threshold.
 RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 rolledBy(const SolverData& s, int body, Vec3 dw, Quat turn, Vec3 r,
                                                   Vec3 out) {
   const ShapeData& shape = s.params[body].shape;
   // round shapes are offsets by `radius` of a point, segment or polyhedron
   const Vec3 round = shape.radius * out, core = r - round;
-  if (shape.kind != ShapeKind::Cylinder && shape.kind != ShapeKind::Cone)
-    return rotate(turn, core) - core + cross(dw, round);
   const Vec3 axis = rotate(s.orientation[body], {0, 0, 1}), rolled = dot(dw, axis) * axis;
+  const bool hasSide = shape.kind == ShapeKind::Cylinder || shape.kind == ShapeKind::Cone;
+  if (!hasSide || std::fabs(dot(out, axis)) > kFlatEnd) return rotate(turn, core) - core + cross(dw, round);
   return rotate(expRotation(dw - rolled), core) - core + cross(rolled, core) + cross(dw, round);
 }
 

@@ -122,6 +122,8 @@ RUBBLE_HD inline MomentumSums momentaOf(const SolverData& s, int root, int i) {
   const BodyTarget& target = s.target[i];
   const bool stopped = s.ccdShareBits[i] != 0;
   const Vec3 principal = s.params[i].inertia, way = stopped ? s.ccdMotion[i].dp : s.dx[i].dp;
+  // a carrier moves all that it carries alike, which turns nothing
+  const Vec3 ownWay = (Real(1) - fromFloatBits(s.ccdShareBits[i])) * s.dx[i].dp;
   const Quat q = s.orientation[i], start = conjugate(stopped ? expRotation(s.ccdMotion[i].dw) : s.dq[i]) * q;
   const Vec3 frame = s.step->inverseDt * s.target[root].y.p, w = s.angularVelocity[i];
   Vec3 freeVelocity = s.step->inverseDt * target.y.p - frame;
@@ -136,7 +138,7 @@ RUBBLE_HD inline MomentumSums momentaOf(const SolverData& s, int root, int i) {
   own.mass = m;
   own.place = m * after;
   own.givenLinear = given;
-  own.givenAngular = cross(before, given) + m * cross(way, v + frame) +
+  own.givenAngular = cross(before, given) + m * cross(ownWay, v + frame) +
                      (spin - freeMomentum(start, freeSpin, principal, s.step->dt));
   own.linear = m * v;
   own.angular = m * cross(after, v) + spin;

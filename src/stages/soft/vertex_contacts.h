@@ -3,6 +3,7 @@
 /// against a grid of their own, surfaces against that of features.h. Then rows, and the state kept for the
 /// next step.
 #include "collision/point_shape.h"
+#include "stages/contacts/arcs.h"
 #include "stages/soft/body_corners.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -249,13 +250,21 @@ RUBBLE_HD inline PointContactStart touchParticle(const SolverData& s, int a, int
           setMaterial(s, p, surfaceOf(pa), surfaceOf(pb))};
 }
 
-/// Adds a share of the displacement by surface velocity to the drift of a contact. Rows correct only the
-/// share driftCorrection of a drift; this displacement is to be corrected in full.
-RUBBLE_HD inline void addSurfaceShift(const SolverData& s, PointContact& p, Real share) {
-  if (s.surfaces == 0 || p.body < 0) return;
-  Vec3 t1, t2;
+/// Adds shares of what the body of a contact moves by beside its linear displacement to the errors of the
+/// rows: by surface velocity, and on its arc. Rows correct only the share driftCorrection of a drift; these
+/// displacements are to be corrected in full.
+RUBBLE_HD inline void addShifts(const SolverData& s, PointContact& p, Real ofSurface, Real ofArc) {
+  const bool arcs = p.body >= 0 && goesOnArcs(s, p.body);
+  if (p.body < 0 || (s.surfaces == 0 && !arcs)) return;
+  Vec3 t1, t2, shift{0, 0, 0};
   tangentBasis(p.n, t1, t2);
-  const Vec3 shift = share * surfaceShiftOf(s, p);
+  if (s.surfaces > 0) shift = ofSurface * surfaceShiftOf(s, p);
+  if (arcs) {
+    const Vec3 arc = arcShift(s, p.body, p.lever, p.n);
+    // the normal row ends with its step
+    if (ofArc > Real(0)) p.c0 += dot(p.n, arc);
+    shift += ofArc * arc;
+  }
   p.drift1 += dot(t1, shift), p.drift2 += dot(t2, shift);
 }
 
@@ -326,7 +335,8 @@ struct UpdatePointContacts {
     p.active = gap <= margin && !p.passes;
     if (p.active) {
       beginPointContact(s.stepOfPoint(p.v[0]), p, start, old);
-      addSurfaceShift(s, p, Real(1) / s.step->driftCorrection);
+      const Real inFull = Real(1) / s.step->driftCorrection;
+      addShifts(s, p, inFull, inFull);
       atomicCount(&s.counters->pointContacts, 1);
     }
     s.pointContact[i] = p;
@@ -376,8 +386,9 @@ struct FinishPoints {
     // exact here: errors of the linear displacement would accumulate from step to step
     if (p.body >= 0) d += s.dx[p.body].dp + rotate(s.dq[p.body], p.lever) - p.lever;
     p.finish(s.stepOfPoint(p.v[0]), d);
-    // replaces the offset in the row by the displacement of this step
-    if (p.stick) addSurfaceShift(s, p, Real(1) - Real(1) / s.step->driftCorrection);
+    // replaces the offsets in the row by the displacement of this step, which has the arc
+    const Real inFull = Real(1) / s.step->driftCorrection;
+    if (p.stick) addShifts(s, p, Real(1) - inFull, -inFull);
   }
 };
 

@@ -1,0 +1,89 @@
+#pragma once
+/// Carriers. A body that continuous collision detection stops would stand still in the world for the rest of
+/// the step, whatever moves around it: in a vehicle, a wall would then pass over it. Such a body stops in the
+/// frame of its carrier, which carries it along: a kinematic body beside it that moves as it does more nearly
+/// than the world, or a concave one around it.
+#include <limits>
+
+#include "collision/sweep.h"
+#include "stages/coarse/forest.h"
+#include "stages/contacts/arcs.h"
+#include "stages/pairs/filter.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Value of ccdPair for a body that stops with its CCD island (islands.h), in place of a pair.
+inline constexpr int kStopsWithIsland = std::numeric_limits<int>::max();
+/// The body that stores a stop: the root of a CCD island, or the body itself.
+RUBBLE_HD inline int ccdOwner(const SolverData& s, int body) {
+  return s.ccdPair[body] == kStopsWithIsland ? findRoot(s.root, body) : body;
+}
+
+/// The carrier of a body, or -1: the world.
+RUBBLE_HD inline int carrierOf(const SolverData& s, int body) { return s.ccdCarrier[ccdOwner(s, body)] - 1; }
+/// The same at the end of CCD, where what has run into a stopped body carries it.
+RUBBLE_HD inline int lastCarrierOf(const SolverData& s, int body) {
+  const int carrier = carrierOf(s, body);
+  return carrier >= 0 ? carrier : s.ccdRunInto[body] - 1;
+}
+/// Does a dynamic body carry another one? Of the two that one stops, like at a kinematic body.
+RUBBLE_HD inline bool carries(const SolverData& s, int body, int other) {
+  return s.params[body].kind == BodyKind::Dynamic && carrierOf(s, other) == body;
+}
+
+/// A rigid motion. The displacement is that of a center [m], the rotation comes from turnOf() [rad].
+struct Carried {
+  Vec3d way, turn;
+};
+/// How carrier `k` moves what stands `arm` from its center [m] in a share of the step [1].
+RUBBLE_HD inline Carried carriedWith(const SolverData& s, int k, const Vec3d& arm, double share) {
+  const Displacement& d = s.dx[k];
+  const Vec3d turn = Vec3d(d.dw) * share;
+  return {Vec3d(d.dp) * share + rotate(turnOf(turn), arm) - arm, turn};
+}
+/// How carrier `k` moves a body in the rest of the step after `from` [1]. until(k): the share of the step
+/// after which body k stops. A carrier that stops goes on with its own.
+template <class Until>
+RUBBLE_HD Carried carriedOn(const SolverData& s, int body, int k, double from, Until&& until) {
+  constexpr int kMostCarriers = 4;
+  Carried sum{};
+  const Vec3d stop = s.position[body] + Vec3d(s.dx[body].dp) * from;
+  for (int n = 0; k >= 0 && from < 1 && n < kMostCarriers; k = carrierOf(s, k), ++n) {
+    const double end = s.params[k].kind == BodyKind::Dynamic ? until(k) : 1;
+    if (end <= from) continue;
+    const Vec3d center = s.position[k] + Vec3d(s.dx[k].dp) * from;
+    const Carried more = carriedWith(s, k, stop + sum.way - center, end - from);
+    sum.way += more.way, sum.turn += more.turn;
+    from = end;
+  }
+  return sum;
+}
+
+/// Finds the carriers of dynamic bodies among the partners of their pairs.
+struct FindCarriers {
+  static constexpr const char* kStage = "ccd";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (s.counters->carriers == 0) return;
+    const OrderedPair o = ordered(s.pair[i]);
+    carry(s, o.a, o.b);
+    carry(s, o.b, o.a);
+  }
+
+ private:
+  RUBBLE_HD static void carry(const SolverData& s, int k, int body) {
+    const BodyParams &p = s.params[k], &own = s.params[body];
+    if (own.kind != BodyKind::Dynamic || !mayCarry(p) || isSensor(s, k)) return;
+    const Vec3d arm = s.position[body] - s.position[k], way(s.dx[body].dp);
+    const bool carried = p.kind == BodyKind::Kinematic
+                             ? lengthSquared(way - carriedWith(s, k, arm, 1).way) < lengthSquared(way)
+                             : own.radius < p.radius && ccdOwner(s, k) != ccdOwner(s, body) &&
+                                   isInside(Vec3(rotateInverse(Quatd(s.orientation[k]), arm)), p.shape);
+    if (carried) atomicRaise(&s.ccdCarrier[ccdOwner(s, body)], k + 1);
+  }
+  RUBBLE_HD static bool isInside(const Vec3& at, const ShapeData& shape) {
+    const Vec3 half = boundingHalf(shape, Quat{}), out = abs(at) - half;
+    return max(out.x, max(out.y, out.z)) <= Real(0);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE
