@@ -243,8 +243,7 @@ class CudaExecutor : private ScanLauncher {
   void run(const FindUnpairedImpacts& kernel, int Counters::*n) {
     runRarely(FindUnpairedImpactsByWarp{kernel}, n);
   }
-  /// Lanes look at neighbors side by side: 2 % of a settled step of a million bricks, and one more of its
-  /// smash.
+  /// Where bodies are few, lanes look at their neighbors side by side.
   void run(const FindPairs<false>& kernel, int n) {
     withLanes<1, 8>(lanesFor<1, 8>(n, residentThreads()),
                     [&]<int kLanes>() { run(FindPairsByTile<kLanes>{kernel}, n); });
