@@ -313,6 +313,7 @@ struct Counters {
   int fastBodies;                 ///< those that need CCD: they move far, or are pressed into another
   int searchedBodies;             ///< those of them that CCD searches for others without a pair
   int swept;                      ///< pairs to be tested by CCD: all, or none
+  int arcs;                       ///< 1: points of a body go on arcs (stages/contacts/arcs.h)
   int carriers;                   ///< 1: a body moves that may carry others (stages/ccd/carriers.h)
   int ccdImpacts, ccdRounds;      ///< not 0: the last search of CCD found impacts; number of later searches
   int stopped;                    ///< bodies whose motion CCD cut short

@@ -43,7 +43,7 @@ TEST_P(Roller, OnTheLevelKeepsItsSpeedAndDoesNotSlip) {
   const auto [r, dt, iterations] = GetParam();
   for (const bool plane : {true, false})
     for (int kind = 0; kind < 4; ++kind)
-      for (const double turn : {.0002, .001, .05, .2, .5}) {
+      for (const double turn : {.05, .2, .5}) {
         World world = roll(kind, r, 0, turn / dt, dt, iterations, plane);
         test::run(world, static_cast<int>(std::lround(2 / dt)));
         const BodyState s = world.state(world.bodyAt(1));

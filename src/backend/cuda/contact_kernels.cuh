@@ -70,9 +70,8 @@ struct RecycleManifoldByLanes {
       if (tile.lane == 0) keepAsleep(s, i, p, old);
       return;
     }
-    const PairTest test = loadUnchanging(s.pairTest[pair]);
-    if (!old || !mayRecycle(s, o) || !recyclable(test, own.count, pose, s.step->recycleTolerance) ||
-        hasRolled(s, p, o, test, pose)) {
+    if (!old || !mayRecycle(s, o) ||
+        !recyclable(loadUnchanging(s.pairTest[pair]), own.count, pose, s.step->recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }

@@ -238,6 +238,7 @@ class CudaExecutor : private ScanLauncher {
     withLanes<1, 2, 8>(lanesFor<1, 2, 8>(view().bodies, residentThreads()),
                        [&]<int kLanes>() { run(SearchByTile<FindPathNeighbors, kLanes>{kernel}, n); });
   }
+  void run(const AddArcs& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindGeneralImpacts& kernel, int Counters::*n) { runRarely(kernel, n); }
   void run(const FindUnpairedImpacts& kernel, int Counters::*n) {

@@ -2,6 +2,7 @@
 /// Begin and end of the step of a body, and its primal update.
 #include "stages/bodies/far_rotations.h"
 #include "stages/ccd/fast_bodies.h"
+#include "stages/contacts/arcs.h"
 #include "stages/contacts/rolling.h"
 #include "stages/soft/soft_rows.h"
 
@@ -32,6 +33,7 @@ struct PredictBodies {
     const BodyParams& p = s.params[i];
     Vec3 v = s.velocity[i], w = s.angularVelocity[i];
     s.fast[i] = 0;
+    if (goesOnArcs(s, i) && atomicLoad(&s.counters->arcs) == 0) atomicRaise(&s.counters->arcs, 1);
     Displacement& moved = s.dx[i];
     if (!isDynamic(s, i)) {
       const bool moves = p.kind == BodyKind::Kinematic;

@@ -19,8 +19,22 @@ RUBBLE_HD inline int ccdOwner(const SolverData& s, int body) {
   return s.ccdPair[body] == kStopsWithIsland ? findRoot(s.root, body) : body;
 }
 
+/// Values of SolverData::ccdCarrier: 1 + a body that carries if nothing holds the other one, kHeldByWorld if
+/// an immovable body is beside it, kSurely + 1 + a body that carries it anyhow. The largest value counts.
+inline constexpr int kHeldByWorld = 1 << 29, kSurely = 1 << 30;
+/// How far a rotation moves a point of a body in the step: by no more than its arc [m].
+RUBBLE_HD inline Real turnedBy(const SolverData& s, int i) {
+  return length(s.dx[i].dw) * (s.params[i].radius - s.params[i].shape.radius);
+}
+RUBBLE_HD inline bool movesInStep(const SolverData& s, int i) {
+  return dot(s.dx[i].dp, s.dx[i].dp) > Real(0) || turnedBy(s, i) > Real(0);
+}
+
 /// The carrier of a body, or -1: the world.
-RUBBLE_HD inline int carrierOf(const SolverData& s, int body) { return s.ccdCarrier[ccdOwner(s, body)] - 1; }
+RUBBLE_HD inline int carrierOf(const SolverData& s, int body) {
+  const int carrier = s.ccdCarrier[ccdOwner(s, body)];
+  return carrier == kHeldByWorld ? -1 : (carrier & ~kSurely) - 1;
+}
 /// The same at the end of CCD, where what has run into a stopped body carries it.
 RUBBLE_HD inline int lastCarrierOf(const SolverData& s, int body) {
   const int carrier = carrierOf(s, body);
@@ -59,7 +73,11 @@ RUBBLE_HD Carried carriedOn(const SolverData& s, int body, int k, double from, U
   return sum;
 }
 
-/// Finds the carriers of dynamic bodies among the partners of their pairs.
+/// A concave body carries one of less than this share of its radius that lies all in its box [1].
+inline constexpr Real kCargoSize = Real(.25);
+
+/// Finds the carriers of dynamic bodies among the partners of their pairs: one that moves as the body does
+/// more nearly than the world, or one around it.
 struct FindCarriers {
   static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -72,17 +90,24 @@ struct FindCarriers {
  private:
   RUBBLE_HD static void carry(const SolverData& s, int k, int body) {
     const BodyParams &p = s.params[k], &own = s.params[body];
-    if (own.kind != BodyKind::Dynamic || !mayCarry(p) || isSensor(s, k)) return;
+    if (own.kind != BodyKind::Dynamic || isSensor(s, k)) return;
+    int* const carrier = &s.ccdCarrier[ccdOwner(s, body)];
+    if (p.kind != BodyKind::Dynamic) atomicRaise(carrier, kHeldByWorld);
+    if (!mayCarry(p) || !movesInStep(s, k) || (p.kind == BodyKind::Dynamic && !isIn(s, k, body))) return;
     const Vec3d arm = s.position[body] - s.position[k], way(s.dx[body].dp);
-    const bool carried = p.kind == BodyKind::Kinematic
-                             ? lengthSquared(way - carriedWith(s, k, arm, 1).way) < lengthSquared(way)
-                             : own.radius < p.radius && ccdOwner(s, k) != ccdOwner(s, body) &&
-                                   isInside(Vec3(rotateInverse(Quatd(s.orientation[k]), arm)), p.shape);
-    if (carried) atomicRaise(&s.ccdCarrier[ccdOwner(s, body)], k + 1);
+    const bool goesAlong = lengthSquared(way - carriedWith(s, k, arm, 1).way) < lengthSquared(way);
+    if (goesAlong)
+      atomicRaise(carrier, kSurely + k + 1);
+    else if (p.kind == BodyKind::Dynamic)
+      atomicRaise(carrier, k + 1);
   }
-  RUBBLE_HD static bool isInside(const Vec3& at, const ShapeData& shape) {
-    const Vec3 half = boundingHalf(shape, Quat{}), out = abs(at) - half;
-    return max(out.x, max(out.y, out.z)) <= Real(0);
+  RUBBLE_HD static bool isIn(const SolverData& s, int k, int body) {
+    const Real radius = s.params[body].radius;
+    const ShapeData& shape = s.params[k].shape;
+    if (radius > kCargoSize * s.params[k].radius || ccdOwner(s, k) == ccdOwner(s, body)) return false;
+    const Vec3 at(rotateInverse(Quatd(s.orientation[k]), s.position[body] - s.position[k])),
+        out = abs(at) - boundingHalf(shape, Quat{});
+    return max(out.x, max(out.y, out.z)) <= -radius;
   }
 };
 

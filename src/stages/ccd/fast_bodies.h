@@ -68,12 +68,10 @@ struct FlagFast {
     const BodyParams& p = s.params[i];
     if (p.kind != BodyKind::Dynamic && p.kind != BodyKind::Kinematic) return;
     const Displacement& d = s.dx[i];
-    // a rotation moves no point by more than its arc
-    const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius),
-               inner = innerRadiusOf(s.shapeTables(), p.shape);
+    const Real way2 = dot(d.dp, d.dp), turn = turnedBy(s, i), inner = innerRadiusOf(s.shapeTables(), p.shape);
     // contacts that yield may have slowed a body that was about to move far
     const Real ahead = s.step->dt * length(s.velocity[i]);
-    const bool moves = way2 > Real(0) || turn > Real(0),
+    const bool moves = movesInStep(s, i),
                isFast = moves && (max(std::sqrt(way2), ahead) + turn > inner || s.fast[i] != 0);
     s.fast[i] = isFast;
     if (moves && mayCarry(p) && atomicLoad(&s.counters->carriers) == 0) atomicRaise(&s.counters->carriers, 1);
@@ -100,7 +98,7 @@ struct BeginCcdRound {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int i = s.fastBody[k];
     const int bits = s.ccdShareBits[i], owner = ccdOwner(s, i);
-    if (const int mover = s.ccdRunInto[i]; mover != 0) atomicRaise(&s.ccdCarrier[owner], mover);
+    if (const int mover = s.ccdRunInto[i]; mover != 0) atomicRaise(&s.ccdCarrier[owner], kSurely + mover);
     if (bits <= atomicLoad(&s.ccdSeenBits[owner])) return;
     atomicRaise(&s.ccdSeenBits[owner], bits);
     s.ccdRound[owner] = s.counters->ccdRounds + 1;

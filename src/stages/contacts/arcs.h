@@ -35,8 +35,7 @@ RUBBLE_HD inline int arcBody(const SolverData& s, const OrderedPair& o) {
 }
 
 /// Displacement of body `arc` at lever r that is not linear in its rotation [m]. `out`: its outward normal.
-RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 arcShift(const SolverData& s, int arc, const Vec3& r,
-                                                  const Vec3& out) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 arcShift(const SolverData& s, int arc, Vec3 r, Vec3 out) {
   const Vec3 dw = turnAhead(s, arc);
   return rolledBy(s, arc, dw, expRotation(dw), r, out) - cross(dw, r);
 }

@@ -65,32 +65,6 @@ RUBBLE_HD inline bool mayRecycle(const SolverData& s, const OrderedPair& o) {
   return !s.generalShapes || !(isSurface(s.params[o.a].shape.kind) || isSurface(s.params[o.b].shape.kind));
 }
 
-/// Tolerance of rotations of a round shape about its axis, over that of others [1]. The points of a recycled
-/// manifold turn with the bodies, but one that rolls goes on to its next point. If it stood on the old one,
-/// its weight would turn it on: a ball at rest would begin to roll, up to the speed at which it is tested
-/// anew.
-inline constexpr Real kRolledTurn = Real(1e-3);
-
-/// Has a round shape of a pair rolled since its last full test?
-RUBBLE_HD inline bool hasRolled(const SolverData& s, const Pair& pair, const OrderedPair& o,
-                                const PairTest& test, const PairPose& pose) {
-  const auto mayRoll = [](ShapeKind kind) {
-    return kind == ShapeKind::Sphere || kind == ShapeKind::Capsule || kind == ShapeKind::Cylinder ||
-           kind == ShapeKind::Cone;
-  };
-  const auto rolled = [&](int body, int PairParts::*part, const Quat& q) {
-    const ShapeData& shape = s.params[body].shape;
-    if (!mayRoll(shape.kind) && shape.kind != ShapeKind::Compound) return Real(0);
-    const PlacedPart own = placedPart(s.shapeTables(), shape, q, partsOf(s, pair, o).*part);
-    if (!mayRoll(own.shape.kind)) return Real(0);
-    const Vec3 turn = rotate(pose.qA, motionSince(test, pose).turn);
-    return own.shape.kind == ShapeKind::Sphere ? length(turn)
-                                               : std::fabs(dot(turn, rotate(own.q, {0, 0, 1})));
-  };
-  return 2 * max(rolled(o.a, &PairParts::ofA, pose.qA), rolled(o.b, &PairParts::ofB, pose.qB)) >
-         kRolledTurn * s.step->recycleTolerance;
-}
-
 /// Keeps the manifold of a pair unchanged if neither body can move.
 RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, const Manifold* old) {
   if (!old || !s.plan.sleeping || moves(s, p.owner) || moves(s, p.other)) return false;
@@ -119,8 +93,7 @@ template <class L> struct RecycleManifolds {
     const Manifold* const old = manifoldBefore(s, i);
     if (keepAsleep(s, i, p, old)) return true;
     if (!old || !mayRecycle(s, o) ||
-        !recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance) ||
-        hasRolled(s, p, o, s.pairTest[pair], pose))
+        !recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance))
       return false;
     count = keepManifold(s, i, o, pose, recycledManifold<L>(*old, pose));
     return true;
@@ -177,7 +150,6 @@ struct PairRows {
   OrderedPair bodies;
   Real mu;  ///< friction coefficient of this step, static or dynamic
   bool bothMove;
-  int arc;            ///< arcBody()
   Real heavier;       ///< k_start from the mass of the heavier body [N/m]
   Vec3 surfaceShift;  ///< [m], see PairMaterial
   Vec3 settling;      ///< [m], see relativeSettling()
@@ -256,16 +228,6 @@ RUBBLE_HD inline Real largestLoad(const SolverData& s, const OrderedPair& o, Rea
   return max(kContactShare * massLength * inverseDt * inverseDt, kMostImpacts * mass * closing * inverseDt);
 }
 
-/// Adds to the errors of point k what its rows leave out of the motion of body `arc`.
-RUBBLE_HD inline void addArc(const SolverData& s, int arc, ContactRows& r, int k) {
-  const Vec3 rA = r.place[k].rA;
-  const Vec3 shift = arc == r.a ? arcShift(s, arc, rA, r.n) : -arcShift(s, arc, rA + r.offset, -r.n);
-  Vec3 t1, t2;
-  tangentBasis(r.n, t1, t2);
-  r.place[k].c0 += dot(r.n, shift);
-  r.slip[k].drift1 += dot(t1, shift), r.slip[k].drift2 += dot(t2, shift);
-}
-
 /// Initializes the rows of manifold i except for its points. `r` must be all zeros. `fastest`: closing speed
 /// of the fastest contact point that stops an approach in this step, 0 if there is none [m/s].
 RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, const PairPlace& place, Real fastest,
@@ -286,7 +248,6 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, const PairPlace&
   r.start = startStiffness(c, lighter);
   const PairMaterial material = pairMaterial(s, s.pair[s.activePair[i]], o);
   p.bothMove = pa.kind == BodyKind::Dynamic && pb.kind == BodyKind::Dynamic;
-  p.arc = arcBody(s, o);
   r.muStatic = material.muStatic, r.muDynamic = material.muDynamic;
   p.mu = r.muStatic != r.muDynamic && slides(m, r.muStatic) ? r.muDynamic : r.muStatic;
   r.restitution = material.restitution;
@@ -366,7 +327,6 @@ RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const P
   const PointRows<Real> rows = pointRows<Real>(s, m, p, motion.at, r, k);
   A::storeQuad(r.place, to, rows.place), A::storeQuad(r.load, to, rows.load);
   A::storeQuad(r.slip, to, rows.slip);
-  if (p.arc >= 0) addArc(s, p.arc, r, to);
   return notePoint(s, m, p, r, k, motion.at.depth, motion.closing);
 }
 
@@ -387,7 +347,6 @@ inline unsigned buildPoints(const SolverData& s, const Manifold& m, const PairRo
   A::storeQuad(r.place, 0, rows.place), A::storeQuad(r.load, 0, rows.load);
   A::storeQuad(r.slip, 0, rows.slip);
   unsigned impact = 0;
-  for (int k = 0; p.arc >= 0 && k < m.count; ++k) addArc(s, p.arc, r, k);
   for (std::size_t k = 0; k < static_cast<std::size_t>(m.count); ++k)
     if (notePoint(s, m, p, r, static_cast<int>(k), motion.at.depth[k], motion.closing[k])) impact |= 1u << k;
   return impact;
@@ -440,6 +399,27 @@ template <class L> struct BuildContactRows {
     s.contact[m.row] = r;
     s.rowBodies[m.row] = {r.a, r.b, i};
     s.joinLevel[m.row] = joinLevel(s, r, m.impact);
+  }
+};
+
+/// Adds to the errors of rows what they leave out of a motion on an arc. Few worlds have any, so rows are
+/// built without it.
+struct AddArcs {
+  static constexpr const char* kStage = "rows";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (s.counters->arcs == 0) return;
+    const int arc = arcBody(s, {s.rowBodies[i].a, s.rowBodies[i].b});
+    if (arc < 0) return;
+    ContactRows& r = s.contact[i];
+    Vec3 t1, t2;
+    tangentBasis(r.n, t1, t2);
+    for (int k = 0; k < kLanes; ++k) {
+      if (!(r.load[k].kN > Real(0))) continue;
+      const Vec3 rA = r.place[k].rA;
+      const Vec3 shift = arc == r.a ? arcShift(s, arc, rA, r.n) : -arcShift(s, arc, rA + r.offset, -r.n);
+      r.place[k].c0 += dot(r.n, shift);
+      r.slip[k].drift1 += dot(t1, shift), r.slip[k].drift2 += dot(t2, shift);
+    }
   }
 };
 

@@ -34,6 +34,7 @@ template <Executor E> void prepare(E& e) {
   }
   e.aliasRows();
   e.forEach(BuildContactRows<L>{}, &Counters::activePairs);
+  e.forEach(AddArcs{}, &Counters::manifolds);
   if (!s.bounces) return;
   e.forEach(CountBounces{}, 1);
   e.require(Per::Bounce, &Counters::bounceRows);

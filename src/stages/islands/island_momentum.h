@@ -20,6 +20,7 @@
 /// Sums use integers, so their order does not matter (IslandSums).
 #include <limits>
 
+#include "stages/ccd/carriers.h"
 #include "stages/coarse/coarse.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -123,7 +124,8 @@ RUBBLE_HD inline MomentumSums momentaOf(const SolverData& s, int root, int i) {
   const bool stopped = s.ccdShareBits[i] != 0;
   const Vec3 principal = s.params[i].inertia, way = stopped ? s.ccdMotion[i].dp : s.dx[i].dp;
   // a carrier moves all that it carries alike, which turns nothing
-  const Vec3 ownWay = (Real(1) - fromFloatBits(s.ccdShareBits[i])) * s.dx[i].dp;
+  const bool carried = stopped && lastCarrierOf(s, i) >= 0;
+  const Vec3 ownWay = carried ? (Real(1) - fromFloatBits(s.ccdShareBits[i])) * s.dx[i].dp : way;
   const Quat q = s.orientation[i], start = conjugate(stopped ? expRotation(s.ccdMotion[i].dw) : s.dq[i]) * q;
   const Vec3 frame = s.step->inverseDt * s.target[root].y.p, w = s.angularVelocity[i];
   Vec3 freeVelocity = s.step->inverseDt * target.y.p - frame;
