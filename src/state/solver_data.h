@@ -138,9 +138,9 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
                                      ///< at the root of their CCD island
   Array<int> ccdRound = nullptr;     ///< CCD: round in which that last changed, or kOwnImpact
   Array<int> ccdPair = nullptr;      ///< CCD: 1 + the pair that stops the body, or 0
-  Array<int> ccdCarrier = nullptr;   ///< CCD: 1 + the body that carries it, or 0; for jointed bodies stored
-                                     ///< at the root of their CCD island
-  Array<int> ccdRunInto = nullptr;   ///< CCD: 1 + a body that runs into it where it has stopped, or 0
+  Array<int> ccdCarrier = nullptr;  ///< CCD: who carries it (stages/ccd/carriers.h), or 0; for jointed bodies
+                                    ///< stored at the root of their CCD island
+  Array<int> ccdRunInto = nullptr;  ///< CCD: 1 + a body that runs into it where it has stopped, or 0
   Array<Displacement> ccdMotion = nullptr;   ///< CCD: motion after the cut
   Array<int> bounceBody = nullptr;           ///< restitution state of the body: BounceBody
   Array<BodyMotion> bounceMotion = nullptr;  ///< solved velocities, before restitution

@@ -131,7 +131,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Ride{BoxKind::Free, {}, {0, 0, 3}}, Ride{BoxKind::Free, {20, 0, 0}, {0, 6, 0}}),
     [](const auto& info) { return "Ride" + std::to_string(info.index); });
 
-TEST(CargoThatMeets, KeepsItsMomentaInAMovingFrame) {
+TEST(CargoThatMeets, GainsNoSpeedInAMovingFrame) {
   // heaps that fall into a bin on a platform of 300 m/s: no impact gives what falls more than its speed
   for (const double speed : {0., 50., 300.}) {
     test::Random random(4);

@@ -19,9 +19,6 @@ RUBBLE_HD inline int ccdOwner(const SolverData& s, int body) {
   return s.ccdPair[body] == kStopsWithIsland ? findRoot(s.root, body) : body;
 }
 
-/// Values of SolverData::ccdCarrier: 1 + a body that carries if nothing holds the other one, kHeldByWorld if
-/// an immovable body is beside it, kSurely + 1 + a body that carries it anyhow. The largest value counts.
-inline constexpr int kHeldByWorld = 1 << 29, kSurely = 1 << 30;
 /// How far a rotation moves a point of a body in the step: by no more than its arc [m].
 RUBBLE_HD inline Real turnedBy(const SolverData& s, int i) {
   return length(s.dx[i].dw) * (s.params[i].radius - s.params[i].shape.radius);
@@ -30,6 +27,9 @@ RUBBLE_HD inline bool movesInStep(const SolverData& s, int i) {
   return dot(s.dx[i].dp, s.dx[i].dp) > Real(0) || turnedBy(s, i) > Real(0);
 }
 
+/// Values of SolverData::ccdCarrier: 1 + a body that carries if nothing holds the other one, kHeldByWorld if
+/// an immovable body is beside it, kSurely + 1 + a body that carries it anyhow. The largest value counts.
+inline constexpr int kHeldByWorld = 1 << 29, kSurely = 1 << 30;
 /// The carrier of a body, or -1: the world.
 RUBBLE_HD inline int carrierOf(const SolverData& s, int body) {
   const int carrier = s.ccdCarrier[ccdOwner(s, body)];
@@ -63,7 +63,7 @@ RUBBLE_HD Carried carriedOn(const SolverData& s, int body, int k, double from, U
   Carried sum{};
   const Vec3d stop = s.position[body] + Vec3d(s.dx[body].dp) * from;
   for (int n = 0; k >= 0 && from < 1 && n < kMostCarriers; k = carrierOf(s, k), ++n) {
-    const double end = s.params[k].kind == BodyKind::Dynamic ? until(k) : 1;
+    const double end = until(k);
     if (end <= from) continue;
     const Vec3d center = s.position[k] + Vec3d(s.dx[k].dp) * from;
     const Carried more = carriedWith(s, k, stop + sum.way - center, end - from);
@@ -73,7 +73,8 @@ RUBBLE_HD Carried carriedOn(const SolverData& s, int body, int k, double from, U
   return sum;
 }
 
-/// A concave body carries one of less than this share of its radius that lies all in its box [1].
+/// A concave body carries one of less than this share of its radius that lies all in its box [1]. A larger
+/// one may lie below it and not in it, and would be pushed through what it lies on.
 inline constexpr Real kCargoSize = Real(.25);
 
 /// Finds the carriers of dynamic bodies among the partners of their pairs: one that moves as the body does
