@@ -45,13 +45,24 @@ struct Manifold {
   ManifoldBits activePoints;  ///< bit k: point k is active in this step
   ManifoldBits normalOnB : 1;
   ManifoldBits recycled : 1;                          ///< reused without a full test in this step
-  ManifoldBits count : 8 * sizeof(ManifoldBits) - 3;  ///< points; 0: no contact
+  ManifoldBits count : 8 * sizeof(ManifoldBits) - 5;  ///< points; 0: no contact
   ManifoldBits passes : 1;                            ///< a one-way surface lets the other body pass: no rows
+  ManifoldBits rollsA : 1;                            ///< all points are on a round side of A
+  ManifoldBits rollsB : 1;                            ///< the same for B
 };
 static_assert(sizeof(Manifold) == 64 * sizeof(Real));
 
+/// Are its points on a round side?
+RUBBLE_HD inline bool rolls(const Manifold& m) { return m.rollsA || m.rollsB; }
+
 RUBBLE_HD inline Vec3 pointOnA(const Manifold& m, int k) { return {m.aX[k], m.aY[k], m.aZ[k]}; }
 RUBBLE_HD inline Vec3 pointOnB(const Manifold& m, int k) { return {m.bX[k], m.bY[k], m.bZ[k]}; }
+RUBBLE_HD inline void setPointOnA(Manifold& m, int k, const Vec3& x) {
+  m.aX[k] = x.x, m.aY[k] = x.y, m.aZ[k] = x.z;
+}
+RUBBLE_HD inline void setPointOnB(Manifold& m, int k, const Vec3& x) {
+  m.bX[k] = x.x, m.bY[k] = x.y, m.bZ[k] = x.z;
+}
 
 /// Input of the narrow phase: a pair at x^t.
 struct PairPose {
@@ -114,19 +125,17 @@ RUBBLE_HD inline Manifold newManifold(const RawManifold& raw, const PairPose& pa
   for (int k = 0; k < kLanes; ++k) {
     m.feature[k] = -1;
     if (k >= raw.count) continue;
-    const Vec3 a = rotateInverse(pair.qA, raw.points[k].onA),
-               b = rotateInverse(pair.qB, raw.points[k].onB - pair.t);
-    m.aX[k] = a.x, m.aY[k] = a.y, m.aZ[k] = a.z;
-    m.bX[k] = b.x, m.bY[k] = b.y, m.bZ[k] = b.z;
+    setPointOnA(m, k, rotateInverse(pair.qA, raw.points[k].onA));
+    setPointOnB(m, k, rotateInverse(pair.qB, raw.points[k].onB - pair.t));
     m.feature[k] = raw.points[k].feature;
   }
   m.normal = raw.n;
   m.localNormal = rotateInverse(raw.normalOnB ? pair.qB : pair.qA, raw.n);
-  m.count = static_cast<std::uint8_t>(raw.count) & 31;
+  m.count = static_cast<std::uint8_t>(raw.count) & 7;
   m.row = -1;
   m.stick = m.impact = m.activePoints = 0;
   m.normalOnB = raw.normalOnB;
-  m.recycled = m.passes = false;
+  m.recycled = m.passes = m.rollsA = m.rollsB = false;
   return m;
 }
 

@@ -66,5 +66,17 @@ INSTANTIATE_TEST_SUITE_P(Scenes, CudaLockstep,
                          testing::Values("hinge-pendulum", "ragdoll", "bowl", "silo", "breakable-wall",
                                          "plates-on-cloth"));
 
+class CudaLockstepTables : public CudaTest {};
+
+TEST_F(CudaLockstepTables, AreComparedWholeAfterTheyGrew) {
+  if (!isStrict()) GTEST_SKIP() << "not a strict build";
+  World world(emptyScene({0, 0, -kGravity}), optionsFor("lockstep-cuda"));
+  for (int layer = 0; layer < 4; ++layer) {
+    for (int k = 0; k < 40; ++k) world.addBody(body(Shape::box({.2, .2, .2}), {.4 * k, 0, .4 * layer}));
+    run(world, 2);
+  }
+  EXPECT_EQ(world.firstDifference(), "");
+}
+
 }  // namespace
 }  // namespace rubble::test

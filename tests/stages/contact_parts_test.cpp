@@ -15,14 +15,23 @@ namespace {
 
 using test::Random;
 
-/// A point of a body at lever r with outward normal `out`, for a rotation in one step.
-Vec3 swept(const ShapeData& shape, const Vec3& dw, const Vec3& r, const Vec3& out) {
-  BodyParams params{};
-  params.shape = shape;
-  Quat orientation{};
+/// A point of body A at lever r with outward normal `out`, for a rotation in one step. `own`: the shape,
+/// which is the body's own, or a part at `at` of its compound.
+Vec3 swept(const ShapeData& own, const Vec3& dw, const Vec3& r, const Vec3& out, bool isPart = false,
+           const Vec3& at = {}) {
+  BodyParams params[2]{};
+  ShapePart part{own, at, {}, 0, -1};
+  int index[] = {0, 0, 0, 1};
+  Pair pair{0, 1, true, 0, 0};
+  int activePair = 0;
+  Quat orientation[2]{};
+  params[0].shape = isPart ? ShapeData{{1, 1, 1}, 0, ShapeKind::Compound, 0} : own;
   SolverData s{};
-  s.params = &params, s.orientation = &orientation;
-  return sweptBy(s, 0, dw, expRotation(dw), r, out);
+  s.params = params, s.orientation = orientation, s.shapePart = &part, s.shapeIndex = index, s.pair = &pair,
+  s.activePair = &activePair;
+  ContactRows rows{};
+  rows.a = 0, rows.b = 1, rows.n = out, rows.manifold = 0;
+  return sweptBy(s, rows, true, dw, expRotation(dw), r);
 }
 
 TEST(SweptPoint, OfARollingShapeGoesAlongTheArc) {
@@ -38,6 +47,16 @@ TEST(SweptPoint, OfARollingShapeGoesAlongTheArc) {
     EXPECT_TRUE(test::near(swept(rod, dw, end + round, out), moved + cross(dw, round), 1e-12));
     const Vec3 corner{.3, .2, .1}, turned = rotate(expRotation(dw), corner) - corner;
     EXPECT_TRUE(test::near(swept(brick, dw, corner, out), turned, 1e-12));
+    // parts of a compound: their centers move with it
+    const Vec3 at = random.vector(), carried = rotate(expRotation(dw), at) - at;
+    EXPECT_TRUE(test::near(swept(ball, dw, at + round, out, true, at), carried + cross(dw, round), 1e-12));
+    EXPECT_TRUE(test::near(swept(brick, dw, at + corner, out, true, at), carried + turned, 1e-12));
+    // a wheel that turns about its axis rolls
+    const ShapeData wheel{{kRadius, kRadius, .1}, 0, ShapeKind::Cylinder, -1};
+    const Vec3 turn{0, 0, dw.z}, across = normalize(Vec3{out.x, out.y, 0}), rim = kRadius * across,
+                                 hub = rotate(expRotation(turn), at) - at;
+    EXPECT_TRUE(test::near(swept(wheel, turn, at + rim, across, true, at), hub + cross(turn, rim),
+                           dot(turn, turn) < kUnrolled2 ? 1e-4 : 1e-12));
     // slow rotations count as those of material points, which is the same to second order
     const Vec3 slow = dw * Real(1e-3);
     EXPECT_TRUE(test::near(swept(ball, slow, round, out), cross(slow, round), 1e-6));

@@ -70,7 +70,7 @@ struct RecycleManifoldByLanes {
       if (tile.lane == 0) keepAsleep(s, i, p, old);
       return;
     }
-    if (!old || !mayRecycle(s, o) ||
+    if (!old || rolls(own) || !mayRecycle(s, o) ||
         !recyclable(loadUnchanging(s.pairTest[pair]), own.count, pose, s.step->recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;

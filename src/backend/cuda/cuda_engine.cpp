@@ -57,11 +57,20 @@ void CudaEngine::step(StepReport& report) {
 }
 
 const HostTables& CudaEngine::tablesNow() {
-  if (!seen_) seen_ = std::make_unique<HostTables>();
-  const SolverData& device = stepper_.tables().view();
-  for (int k = 0; k < kPerCount; ++k)
-    seen_->reserve(static_cast<Per>(k), stepper_.tables().capacity(static_cast<Per>(k)));
-  seenRows_.resize(static_cast<std::size_t>(stepper_.tables().capacity(Per::Manifold)));
+  const DeviceTables& tables = stepper_.tables();
+  const SolverData& device = tables.view();
+  const auto fits = [&](int k) {
+    return seen_->capacity(static_cast<Per>(k)) == tables.capacity(static_cast<Per>(k));
+  };
+  bool fit = seen_ != nullptr;
+  for (int k = 0; fit && k < kPerCount; ++k) fit = fits(k);
+  if (!fit) {
+    // made anew: tables that have room grow by half more than they are asked to, beyond those of the device
+    seen_ = std::make_unique<HostTables>();
+    for (int k = 0; k < kPerCount; ++k)
+      seen_->reserve(static_cast<Per>(k), tables.capacity(static_cast<Per>(k)));
+  }
+  seenRows_.resize(static_cast<std::size_t>(tables.capacity(Per::Manifold)));
   SolverData& to = seen_->view();
   to = onDevice(device, to);
   const auto copy = [](void* here, const void* there, std::size_t bytes) {

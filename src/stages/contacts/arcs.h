@@ -34,10 +34,11 @@ RUBBLE_HD inline int arcBody(const SolverData& s, const OrderedPair& o) {
   return leads(o.a, o.b) ? o.a : leads(o.b, o.a) ? o.b : -1;
 }
 
-/// Displacement of body `arc` at lever r that is not linear in its rotation [m]. `out`: its outward normal.
-RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 arcShift(const SolverData& s, int arc, Vec3 r, Vec3 out) {
+/// Displacement of body `arc` at lever r that is not linear in its rotation [m]. `part`: of a compound, that
+/// of the contact; `out`: its outward normal.
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 arcShift(const SolverData& s, int arc, int part, Vec3 r, Vec3 out) {
   const Vec3 dw = turnAhead(s, arc);
-  return rolledBy(s, arc, dw, expRotation(dw), r, out) - cross(dw, r);
+  return rolledBy(s, arc, part, dw, expRotation(dw), r, out) - cross(dw, r);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -5,7 +5,7 @@
 #include "solver/warmstart.h"
 #include "stages/coarse/cells.h"
 #include "stages/contacts/arcs.h"
-#include "stages/contacts/materials.h"
+#include "stages/contacts/round_sides.h"
 #include "stages/contacts/stored_points.h"
 #include "stages/pairs/active_pairs.h"
 
@@ -74,8 +74,13 @@ RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, cons
   return true;
 }
 
-/// Narrow phase of active pairs whose relative pose has hardly changed: reuses the previous manifold. All
-/// other pairs are appended to `tested`.
+/// Has pair i hardly moved since the full test that its previous manifold comes from?
+RUBBLE_HD inline bool hardlyMoved(const SolverData& s, int i, const PairPose& pose, const Manifold& old) {
+  return recyclable(s.pairTest[s.activePair[i]], old.count, pose, s.step->recycleTolerance);
+}
+
+/// Narrow phase of active pairs that have hardly moved: reuses the previous manifold. All other pairs are
+/// appended to `tested`, and so are those whose points roll.
 template <class L> struct RecycleManifolds {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -83,36 +88,48 @@ template <class L> struct RecycleManifolds {
     if (!reuses(s, i, count)) s.tested[atomicCount(&s.counters->tested, 1)] = i;
     addToCounters(s, count);
   }
-  /// Is the previous manifold of pair i good enough? Then stores it; `count` gets what it adds to the
-  /// counters.
+  /// Is the previous manifold of pair i good enough as it is? Then stores it; `count` gets what it adds to
+  /// the counters.
   RUBBLE_HD static bool reuses(const SolverData& s, int i, ManifoldCount& count) {
-    const int pair = s.activePair[i];
-    const Pair p = s.pair[pair];
+    const Pair p = s.pair[s.activePair[i]];
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
     const Manifold* const old = manifoldBefore(s, i);
     if (keepAsleep(s, i, p, old)) return true;
-    if (!old || !mayRecycle(s, o) ||
-        !recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance))
-      return false;
+    if (!old || rolls(*old) || !mayRecycle(s, o) || !hardlyMoved(s, i, pose, *old)) return false;
     count = keepManifold(s, i, o, pose, recycledManifold<L>(*old, pose));
     return true;
   }
 };
 
-/// Narrow phase of the `tested` pairs of primitive shapes: builds a new manifold and matches its points with
-/// the previous ones. TestGeneralPairs processes the other pairs.
+/// Narrow phase of pair i, one of the `tested` ones: rolls on its previous manifold, or takes that of a full
+/// test, collide(pose), whose points are matched with the previous ones.
+template <class Collide>
+RUBBLE_HD ManifoldCount testPair(const SolverData& s, int i, const Pair& p, const OrderedPair& o,
+                                 Collide&& collide) {
+  const PairPose pose = pairPose(s, o);
+  const Manifold* const old = manifoldBefore(s, i);
+  if (old && rolls(*old) && hardlyMoved(s, i, pose, *old))
+    return keepManifold(s, i, o, pose, rolledManifold(s, p, o, pose, *old));
+  const RawManifold raw = collide(pose);
+  s.pairTest[s.activePair[i]] = pairTest(raw, pose);
+  Manifold m = testedManifold(raw, pose, old);
+  noteRoundSides(s, p, o, pose, m);
+  return keepManifold(s, i, o, pose, m);
+}
+
+/// The `tested` pairs of primitive shapes. TestGeneralPairs processes the other ones.
 struct TestPairs {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int t) const { addToCounters(s, take(s, t)); }
   RUBBLE_HD static ManifoldCount take(const SolverData& s, int t) {
-    const int i = s.tested[t], pair = s.activePair[i];
-    const OrderedPair o = ordered(s.pair[pair]);
+    const int i = s.tested[t];
+    const Pair p = s.pair[s.activePair[i]];
+    const OrderedPair o = ordered(p);
     if (s.generalShapes && !isPrimitivePair(s, o.a, o.b)) return {};
-    const PairPose pose = pairPose(s, o);
-    const RawManifold raw = collide(s.params[o.a].shape, s.params[o.b].shape, pose);
-    s.pairTest[pair] = pairTest(raw, pose);
-    return keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i)));
+    return testPair(s, i, p, o, [&](const PairPose& pose) {
+      return collide(s.params[o.a].shape, s.params[o.b].shape, pose);
+    });
   }
 };
 
@@ -411,12 +428,14 @@ struct AddArcs {
     const int arc = arcBody(s, {s.rowBodies[i].a, s.rowBodies[i].b});
     if (arc < 0) return;
     ContactRows& r = s.contact[i];
+    const bool onA = arc == r.a;
+    const int part = partAt(s, r, onA);
     Vec3 t1, t2;
     tangentBasis(r.n, t1, t2);
     for (int k = 0; k < kLanes; ++k) {
       if (!(r.load[k].kN > Real(0))) continue;
       const Vec3 rA = r.place[k].rA;
-      const Vec3 shift = arc == r.a ? arcShift(s, arc, rA, r.n) : -arcShift(s, arc, rA + r.offset, -r.n);
+      const Vec3 shift = onA ? arcShift(s, arc, part, rA, r.n) : -arcShift(s, arc, part, rA + r.offset, -r.n);
       r.place[k].c0 += dot(r.n, shift);
       r.slip[k].drift1 += dot(t1, shift), r.slip[k].drift2 += dot(t2, shift);
     }

@@ -95,8 +95,8 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
 struct TestGeneralPairs {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int t) const {
-    const int i = s.tested[t], pair = s.activePair[i];
-    const Pair p = s.pair[pair];
+    const int i = s.tested[t];
+    const Pair p = s.pair[s.activePair[i]];
     const OrderedPair o = ordered(p);
     if (isPrimitivePair(s, o.a, o.b)) return;
     const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
@@ -104,14 +104,15 @@ struct TestGeneralPairs {
       if (p.second == 0) updateSurfaceManifolds(s, i);
       return;
     }
-    const PairPose pose = pairPose(s, o);
-    const ShapeTables tables = s.shapeTables();
-    const PlacedPart a = placedPart(tables, shapeA, pose.qA, p.owner == o.a ? p.first : p.second);
-    const PlacedPart b = placedPart(tables, shapeB, pose.qB, p.owner == o.a ? p.second : p.first);
-    RawManifold raw = collideParts(tables, a, b, pose.t, pose.margin, pose.length, downOf(s, o.a));
-    if (!touchesNow(raw, pose)) raw.count = 0;
-    s.pairTest[pair] = pairTest(raw, pose);
-    addToCounters(s, keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i))));
+    addToCounters(s, testPair(s, i, p, o, [&](const PairPose& pose) {
+                    const ShapeTables tables = s.shapeTables();
+                    const PairParts parts = partsOf(s, p, o);
+                    RawManifold raw = collideParts(tables, placedPart(tables, shapeA, pose.qA, parts.ofA),
+                                                   placedPart(tables, shapeB, pose.qB, parts.ofB), pose.t,
+                                                   pose.margin, pose.length, downOf(s, o.a));
+                    if (!touchesNow(raw, pose)) raw.count = 0;
+                    return raw;
+                  }));
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 /// Displacement of a contact point by the rotation of its body, for round shapes.
-#include "state/solver_data.h"
+#include "collision/parts.h"
+#include "stages/contacts/materials.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -12,25 +13,33 @@ inline constexpr Real kUnrolled2 = Real(1e-4);
 /// at its flat end [1].
 inline constexpr Real kFlatEnd = Real(.99);
 
-/// As sweptBy(), for rotations above that threshold.
-RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 rolledBy(const SolverData& s, int body, Vec3 dw, Quat turn, Vec3 r,
-                                                  Vec3 out) {
-  const ShapeData& shape = s.params[body].shape;
-  // round shapes are offsets by `radius` of a point, segment or polyhedron
-  const Vec3 round = shape.radius * out, core = r - round;
-  const Vec3 axis = rotate(s.orientation[body], {0, 0, 1}), rolled = dot(dw, axis) * axis;
-  const bool hasSide = shape.kind == ShapeKind::Cylinder || shape.kind == ShapeKind::Cone;
-  if (!hasSide || std::fabs(dot(out, axis)) > kFlatEnd) return rotate(turn, core) - core + cross(dw, round);
-  return rotate(expRotation(dw - rolled), core) - core + cross(rolled, core) + cross(dw, round);
+/// The part of A, or of B, at the contact of rows r.
+RUBBLE_HD inline int partAt(const SolverData& s, const ContactRows& r, bool onA) {
+  const PairParts parts = partsOf(s, s.pair[s.activePair[r.manifold]], {r.a, r.b});
+  return onA ? parts.ofA : parts.ofB;
 }
 
-/// Displacement of the contact point at lever r by the rotation `dw` of its body [m]. `turn`: the same
-/// rotation as a quaternion; `out`: outward normal of the body. The point moves with the body, except on
-/// round features: they roll, the contact moves to another material point, and the arc of the old one is no
-/// slip.
-RUBBLE_HD inline Vec3 sweptBy(const SolverData& s, int body, const Vec3& dw, const Quat& turn, const Vec3& r,
-                              const Vec3& out) {
-  return dot(dw, dw) < kUnrolled2 ? rotate(turn, r) - r : rolledBy(s, body, dw, turn, r, out);
+/// As sweptBy(), for rotations above that threshold. `part`: of a compound, that of the contact.
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 rolledBy(const SolverData& s, int body, int part, Vec3 dw, Quat turn,
+                                                  Vec3 r, Vec3 out) {
+  const PlacedPart own = placedPart(s.shapeTables(), s.params[body].shape, s.orientation[body], part);
+  // round shapes are offsets by `radius` of a point, segment or polyhedron
+  const ShapeData& shape = own.shape;
+  const Vec3 round = shape.radius * out, core = r - own.at - round, moved = rotate(turn, own.at) - own.at;
+  const Vec3 axis = rotate(own.q, {0, 0, 1}), rolled = dot(dw, axis) * axis;
+  const bool hasSide = shape.kind == ShapeKind::Cylinder || shape.kind == ShapeKind::Cone;
+  if (!hasSide || std::fabs(dot(out, axis)) > kFlatEnd)
+    return moved + (rotate(turn, core) - core + cross(dw, round));
+  return moved + (rotate(expRotation(dw - rolled), core) - core + cross(rolled, core) + cross(dw, round));
+}
+
+/// Displacement of the point at lever r from A (or B) of rows `of` by the rotation `dw` of that body [m].
+/// `turn`: the same rotation as a quaternion. The point moves with the body, except on round features: they
+/// roll, the contact moves to another material point, and the arc of the old one is no slip.
+RUBBLE_HD inline Vec3 sweptBy(const SolverData& s, const ContactRows& of, bool onA, const Vec3& dw,
+                              const Quat& turn, const Vec3& r) {
+  if (dot(dw, dw) < kUnrolled2) return rotate(turn, r) - r;
+  return rolledBy(s, onA ? of.a : of.b, partAt(s, of, onA), dw, turn, r, onA ? of.n : -of.n);
 }
 
 }  // namespace rubble::RUBBLE_CORE

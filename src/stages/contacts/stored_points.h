@@ -40,17 +40,19 @@ RUBBLE_HD inline void noteBefore(const SolverData& s, int i, const Manifold& m, 
   if (i < s.counters->bounceRows) s.bounce[i].before[k] = multipliersBefore(m, k);
 }
 
-/// Displacement of contact points at levers r by the rotation of their body, as sweptBy().
+/// Displacement of contact points at levers r from A (or B) by the rotation of that body, as sweptBy().
 template <class L>
-RUBBLE_HD RUBBLE_NEAR Vec3T<L> sweptPoints(const SolverData& s, int body, const Vec3& dw, const Quat& turn,
-                                           const Vec3T<L>& r, const Vec3& out) {
+RUBBLE_HD RUBBLE_NEAR Vec3T<L> sweptPoints(const SolverData& s, const ContactRows& of, bool onA,
+                                           const StoredFrame& f, const Vec3T<L>& r) {
+  const Vec3& dw = onA ? f.a.dw : f.b.dw;
+  const Quat& turn = onA ? f.rotationA : f.rotationB;
   if constexpr (sizeof(L) == sizeof(Real)) {
-    return sweptBy(s, body, dw, turn, r, out);
+    return sweptBy(s, of, onA, dw, turn, r);
   } else {
     if (dot(dw, dw) < kUnrolled2) return rotate(splatQuat<L>(turn), r) - r;
     Vec3T<L> swept{};
     for (std::size_t k = 0; k < kLanes; ++k) {
-      const Vec3 own = sweptBy(s, body, dw, turn, {r.x[k], r.y[k], r.z[k]}, out);
+      const Vec3 own = sweptBy(s, of, onA, dw, turn, {r.x[k], r.y[k], r.z[k]});
       swept.x[k] = own.x, swept.y[k] = own.y, swept.z[k] = own.z;
     }
     return swept;
@@ -88,8 +90,8 @@ RUBBLE_HD RUBBLE_NEAR PointMemoryT<L> storedPoints(const SolverData& s, const Co
   }
   if (!anyOf(sticks)) return m;
   // exact rotations here: errors of the linearized ones would accumulate from step to step
-  const Vec3T<L> dA = of(f.a.dp) + sweptPoints(s, r.a, f.a.dw, f.rotationA, rA, r.n);
-  const Vec3T<L> d = dA - (of(f.b.dp) + sweptPoints(s, r.b, f.b.dw, f.rotationB, rB, -r.n));
+  const Vec3T<L> dA = of(f.a.dp) + sweptPoints<L>(s, r, true, f, rA);
+  const Vec3T<L> d = dA - (of(f.b.dp) + sweptPoints<L>(s, r, false, f, rB));
   // the offsets that the row had for surface velocity and settling are no drift; the surface's motion is
   L drift1 = before.drift1 + along<L>(f.t1, d), drift2 = before.drift2 + along<L>(f.t2, d);
   if (s.surfaces > 0) {

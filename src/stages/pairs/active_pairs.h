@@ -56,7 +56,12 @@ RUBBLE_HD RUBBLE_NEAR PointsAt<L> pointsAt(const Manifold& m, int lane, const Ve
   const Vec3T<L> onA{A::load(m.aX, lane), A::load(m.aY, lane), A::load(m.aZ, lane)};
   const Vec3T<L> onB{A::load(m.bX, lane), A::load(m.bY, lane), A::load(m.bZ, lane)};
   const Vec3T<L> xa = rotate(splatQuat<L>(qa), onA), xb = splatVector<L>(t) + rotate(splatQuat<L>(qb), onB);
-  return {A::splat(Real(.5)) * (xa + xb), dot(splatVector<L>(normal), xa - xb)};
+  const L half = A::splat(Real(.5));
+  const Vec3T<L> n = splatVector<L>(normal);
+  const L depth = dot(n, xa - xb);
+  if (m.rollsA == m.rollsB) return {half * (xa + xb), depth};
+  // the round side alone says where it touches
+  return {m.rollsA ? xa - n * (half * depth) : xb + n * (half * depth), depth};
 }
 RUBBLE_HD inline PointAt pointAt(const Manifold& m, int k, const Vec3& normal, const Quat& qa, const Quat& qb,
                                  const Vec3& t) {

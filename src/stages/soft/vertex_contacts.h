@@ -260,7 +260,7 @@ RUBBLE_HD inline void addShifts(const SolverData& s, PointContact& p, Real ofSur
   tangentBasis(p.n, t1, t2);
   if (s.surfaces > 0) shift = ofSurface * surfaceShiftOf(s, p);
   if (arcs) {
-    const Vec3 arc = arcShift(s, p.body, p.lever, p.n);
+    const Vec3 arc = arcShift(s, p.body, p.part, p.lever, p.n);
     // the normal row ends with its step
     if (ofArc > Real(0)) p.c0 += dot(p.n, arc);
     shift += ofArc * arc;
