@@ -113,6 +113,7 @@ template <> struct Divided<DecideOneWay> : DividedBy<Cut::ActivePairs> {};
 template <> struct Divided<BuildRolling> : DividedBy<Cut::ActivePairs> {};
 template <class L>
 struct Divided<BuildContactRows<L>> : DividedBy<Cut::ActivePairs, Share::None, Share::Rows> {};
+template <> struct Divided<AddArcs> : DividedBy<Cut::ActivePairs> {};
 template <class L> struct Divided<UpdateContactDuals<L>> : DividedBy<Cut::Rows, Share::NodePoses> {};
 template <> struct Divided<UpdateRollingDuals> : DividedBy<Cut::Rows> {};
 template <class L> struct Divided<FinishContacts<L>> : DividedBy<Cut::OwnRows> {};

@@ -419,15 +419,15 @@ template <class L> struct BuildContactRows {
   }
 };
 
-/// Adds to the errors of rows what they leave out of a motion on an arc. Few worlds have any, so rows are
-/// built without it.
+/// Adds to the errors of the rows of manifold i what they leave out of a motion on an arc. Few worlds have
+/// any, so rows are built without it.
 struct AddArcs {
   static constexpr const char* kStage = "rows";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.counters->arcs == 0) return;
-    const int arc = arcBody(s, {s.rowBodies[i].a, s.rowBodies[i].b});
+    if (s.counters->arcs == 0 || s.hasRows[i] == 0) return;
+    ContactRows& r = s.contact[s.manifold[i].row];
+    const int arc = arcBody(s, {r.a, r.b});
     if (arc < 0) return;
-    ContactRows& r = s.contact[i];
     const bool onA = arc == r.a;
     const int part = partAt(s, r, onA);
     Vec3 t1, t2;

@@ -34,7 +34,7 @@ template <Executor E> void prepare(E& e) {
   }
   e.aliasRows();
   e.forEach(BuildContactRows<L>{}, &Counters::activePairs);
-  e.forEach(AddArcs{}, &Counters::manifolds);
+  e.forEach(AddArcs{}, &Counters::activePairs);
   if (!s.bounces) return;
   e.forEach(CountBounces{}, 1);
   e.require(Per::Bounce, &Counters::bounceRows);
