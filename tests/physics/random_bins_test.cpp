@@ -34,7 +34,7 @@ TEST(RandomBins, KeepWhatIsThrownIn) {
   EXPECT_EQ(count.left, 0);
   EXPECT_LE(count.unsettled, 1);
   EXPECT_EQ(count.quarantined, 0);
-  EXPECT_LE(count.failed, 6);
+  EXPECT_LE(count.failed, 4);
 }
 TEST(LongRandomBins, KeepWhatIsThrownIn) {
   const BinCount count = settleBins(0, 2000);

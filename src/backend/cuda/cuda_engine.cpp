@@ -59,16 +59,13 @@ void CudaEngine::step(StepReport& report) {
 const HostTables& CudaEngine::tablesNow() {
   const DeviceTables& tables = stepper_.tables();
   const SolverData& device = tables.view();
-  const auto fits = [&](int k) {
-    return seen_->capacity(static_cast<Per>(k)) == tables.capacity(static_cast<Per>(k));
-  };
+  const auto room = [&](int k) { return tables.capacity(static_cast<Per>(k)); };
   bool fit = seen_ != nullptr;
-  for (int k = 0; fit && k < kPerCount; ++k) fit = fits(k);
+  for (int k = 0; k < kPerCount; ++k) fit = fit && seen_->capacity(static_cast<Per>(k)) == room(k);
   if (!fit) {
     // made anew: tables that have room grow by half more than they are asked to, beyond those of the device
     seen_ = std::make_unique<HostTables>();
-    for (int k = 0; k < kPerCount; ++k)
-      seen_->reserve(static_cast<Per>(k), tables.capacity(static_cast<Per>(k)));
+    for (int k = 0; k < kPerCount; ++k) seen_->reserve(static_cast<Per>(k), room(k));
   }
   seenRows_.resize(static_cast<std::size_t>(tables.capacity(Per::Manifold)));
   SolverData& to = seen_->view();

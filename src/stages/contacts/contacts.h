@@ -103,15 +103,15 @@ template <class L> struct RecycleManifolds {
 };
 
 /// Narrow phase of pair i, one of the `tested` ones: rolls on its previous manifold, or takes that of a full
-/// test, collide(pose), whose points are matched with the previous ones.
-template <class Collide>
+/// test, fullTest(pose), whose points are matched with the previous ones.
+template <class FullTest>
 RUBBLE_HD ManifoldCount testPair(const SolverData& s, int i, const Pair& p, const OrderedPair& o,
-                                 Collide&& collide) {
+                                 FullTest&& fullTest) {
   const PairPose pose = pairPose(s, o);
   const Manifold* const old = manifoldBefore(s, i);
   if (old && rolls(*old) && hardlyMoved(s, i, pose, *old))
     return keepManifold(s, i, o, pose, rolledManifold(s, p, o, pose, *old));
-  const RawManifold raw = collide(pose);
+  const RawManifold raw = fullTest(pose);
   s.pairTest[s.activePair[i]] = pairTest(raw, pose);
   Manifold m = testedManifold(raw, pose, old);
   noteRoundSides(s, p, o, pose, m);

@@ -1,17 +1,12 @@
 #pragma once
 /// Displacement of a contact point by the rotation of its body, for round shapes.
-#include "collision/parts.h"
-#include "stages/contacts/materials.h"
+#include "stages/contacts/round_sides.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// Square of the rotation per step [rad2] below which roundness is ignored: the difference is 2e-7 of the
 /// lever.
 inline constexpr Real kUnrolled2 = Real(1e-4);
-
-/// Cosine of the angle between the normal of a contact and the axis of a cylinder or cone above which it is
-/// at its flat end [1].
-inline constexpr Real kFlatEnd = Real(.99);
 
 /// The part of A, or of B, at the contact of rows r.
 RUBBLE_HD inline int partAt(const SolverData& s, const ContactRows& r, bool onA) {
@@ -27,9 +22,7 @@ RUBBLE_HD RUBBLE_OUT_OF_LINE inline Vec3 rolledBy(const SolverData& s, int body,
   const ShapeData& shape = own.shape;
   const Vec3 round = shape.radius * out, core = r - own.at - round, moved = rotate(turn, own.at) - own.at;
   const Vec3 axis = rotate(own.q, {0, 0, 1}), rolled = dot(dw, axis) * axis;
-  const bool hasSide = shape.kind == ShapeKind::Cylinder || shape.kind == ShapeKind::Cone;
-  if (!hasSide || std::fabs(dot(out, axis)) > kFlatEnd)
-    return moved + (rotate(turn, core) - core + cross(dw, round));
+  if (!isOnSide(shape, dot(out, axis))) return moved + (rotate(turn, core) - core + cross(dw, round));
   return moved + (rotate(expRotation(dw - rolled), core) - core + cross(rolled, core) + cross(dw, round));
 }
 

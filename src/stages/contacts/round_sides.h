@@ -8,23 +8,28 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD constexpr bool hasRoundSide(ShapeKind kind) {
-  return kind == ShapeKind::Sphere || kind == ShapeKind::Capsule || kind == ShapeKind::Cylinder ||
-         kind == ShapeKind::Cone;
+/// Cosine of the angle between the normal of a contact and the axis of a cylinder or cone above which it is
+/// at its flat end [1].
+inline constexpr Real kFlatEnd = Real(.99);
+
+/// Is a contact on the side of a cylinder or cone? `cosine`: between its normal and the axis of the shape.
+RUBBLE_HD inline bool isOnSide(const ShapeData& s, Real cosine) {
+  return (s.kind == ShapeKind::Cylinder || s.kind == ShapeKind::Cone) && std::fabs(cosine) <= kFlatEnd;
+}
+/// Does a shape roll on a contact? n: unit normal of the contact, in the frame of the shape.
+RUBBLE_HD inline bool rollsOn(const ShapeData& s, const Vec3& n) {
+  return s.kind == ShapeKind::Sphere || s.kind == ShapeKind::Capsule || isOnSide(s, n.z);
 }
 
-/// A side faces along a normal unless that is closer to the axis of the shape than this (sine) [1].
-inline constexpr Real kLeastAcross = Real(.1);
-
-/// The point of a round side at the height of x that faces along the unit vector n; x if none does. In the
-/// frame of the shape [m].
+/// The point of a shape that rolls which faces along the unit vector n, at the height of x on its axis. In
+/// the frame of the shape [m].
 RUBBLE_HD inline Vec3 facingPoint(const ShapeData& s, const Vec3& n, const Vec3& x) {
   if (s.kind == ShapeKind::Sphere) return s.radius * n;
-  const Real across = std::sqrt(n.x * n.x + n.y * n.y);
-  if (across < kLeastAcross) return x;
+  if (s.kind == ShapeKind::Capsule) return {s.radius * n.x, s.radius * n.y, x.z};
   Real core = s.half.x;
+  // the apex of a cone is at half.z, its base at -half.z / 3
   if (s.kind == ShapeKind::Cone) core *= Real(.75) * (Real(1) - (x.z - s.radius * n.z) / s.half.z);
-  const Real share = s.radius + core / across;
+  const Real share = s.radius + core / std::sqrt(n.x * n.x + n.y * n.y);
   return {share * n.x, share * n.y, x.z};
 }
 
@@ -52,17 +57,18 @@ inline constexpr Real kOnRoundSide = Real(1e-4);
 RUBBLE_HD inline void noteRoundSides(const SolverData& s, const Pair& pair, const OrderedPair& o,
                                      const PairPose& pose, Manifold& m) {
   const auto mayRoll = [&](int body) {
-    const ShapeKind kind = s.params[body].shape.kind;
-    return hasRoundSide(kind) || kind == ShapeKind::Compound;
+    const ShapeData& shape = s.params[body].shape;
+    return rollsOn(shape, {1, 0, 0}) || shape.kind == ShapeKind::Compound;
   };
   if (m.count == 0 || !(mayRoll(o.a) || mayRoll(o.b))) return;
   const RoundSides sides = roundSides(s, pair, o);
-  const Real least = kOnRoundSide * pose.length;
+  const Real most = kOnRoundSide * pose.length;
   const auto isOn = [&](const PlacedPart& part, const Vec3& n, const Vec3& x) {
-    return lengthSquared(facingPoint(part, n, x) - x) <= least * least;
+    return lengthSquared(facingPoint(part, n, x) - x) <= most * most;
   };
   const Vec3 ofA = rotateInverse(pose.qA, m.normal), ofB = rotateInverse(pose.qB, -m.normal);
-  bool onA = hasRoundSide(sides.a.shape.kind), onB = hasRoundSide(sides.b.shape.kind);
+  bool onA = rollsOn(sides.a.shape, rotateInverse(sides.a.q, ofA)),
+       onB = rollsOn(sides.b.shape, rotateInverse(sides.b.q, ofB));
   for (int k = 0; k < m.count; ++k) {
     onA = onA && isOn(sides.a, ofA, pointOnA(m, k));
     onB = onB && isOn(sides.b, ofB, pointOnB(m, k));
