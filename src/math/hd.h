@@ -118,6 +118,8 @@ template <class T> RUBBLE_HD RUBBLE_NEAR T loadUnchanging(const T& from) {
   memcpy(static_cast<void*>(&to), quads, sizeof to);
   return to;
 }
+/// The same for a number that may not be needed: a compiler would first wait to know.
+RUBBLE_HD inline float loadUnchanging(const float& from) { return __ldca(&from); }
 #else
 template <class T> RUBBLE_HD RUBBLE_NEAR const T& loadVectorized(const T& from) { return from; }
 template <class T> RUBBLE_HD RUBBLE_NEAR const T& loadUnchanging(const T& from) { return from; }

@@ -217,6 +217,10 @@ static __device__ __noinline__ void addBoundaryRollingOutOfLine(const SolverData
 template <int kWidth, bool uniform, int kTile, class Any>
 __device__ Block6 gatherSlice(const SolverData& s, int i, const Slice& slice, const Aggregate& aggregate,
                               const Tile<kTile>& tile, int lane, Any&& any) {
+  // one lane per contact point: four lanes share a constraint
+  constexpr int kStride = kWidth / kLanes;
+  const int begin = s.boundaryOffset[i] + lane / kLanes, end = s.boundaryOffset[i + 1], point = lane % kLanes;
+  std::uint32_t next = begin < end ? s.boundary[begin] : 0;  // asked for before the nodes
   Block6 own;
   for (int k = slice.begin + lane; k < slice.end; k += kWidth)
     addInertialForce(s, aggregate, s.aggregateNode[k], own);
@@ -225,11 +229,7 @@ __device__ Block6 gatherSlice(const SolverData& s, int i, const Slice& slice, co
     addSoftNodes(s, slice.begin + lane, slice.end, kWidth, sum);
     own = sum;
   }
-  // one lane per contact point: four lanes share a constraint
-  constexpr int kStride = kWidth / kLanes;
-  const int begin = s.boundaryOffset[i] + lane / kLanes, end = s.boundaryOffset[i + 1], point = lane % kLanes;
   bool joints = false;
-  std::uint32_t next = begin < end ? s.boundary[begin] : 0;
   for (int k = begin; k < end; k += kStride) {
     const std::uint32_t code = next;
     if (k + kStride < end) next = s.boundary[k + kStride];

@@ -59,22 +59,30 @@ struct RecycleManifoldByLanes {
   static constexpr int kBlocks = 5;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const int pair = s.activePair[i];
-    const Manifold* const old = manifoldBefore(s, i);
-    // asked for before it is known whether it is needed
-    Manifold own;
-    if (old) own = manifoldOfPoint(*old, tile);
+    // asked for before it is known whether it is needed: what the pair has, then its manifold and its bodies
+    const int before = s.manifoldBefore[pair];
     const Pair p = loadUnchanging(s.pair[pair]);
+    const PairTest test = loadUnchanging(s.pairTest[pair]);
+    const Manifold* const old = before < 0 ? nullptr : &s.oldManifold[before];
+    LoadedManifold loaded;
+    if (old) loaded = loadManifold(*old, tile);
     const OrderedPair o = ordered(p);
-    const PairPose pose = pairPose(s, o);
+    PairPose pose = pairPoseWithoutMargin(s, o);
+    Manifold own;
+    if (old) {
+      own = sharedOf(loaded);
+      if (own.count == 0) setMargin(s, o, pose);
+    }
     if (old && s.plan.sleeping && !moves(s, p.owner) && !moves(s, p.other)) {
       if (tile.lane == 0) keepAsleep(s, i, p, old);
       return;
     }
     if (!old || rolls(own) || !mayRecycle(s, o) ||
-        !recyclable(loadUnchanging(s.pairTest[pair]), own.count, pose, s.step->recycleTolerance)) {
+        !recyclable(test, own.count, pose, s.step->recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }
+    takePoint(own, loaded, tile);
     Manifold& m = s.manifold[i];
     copyPlaces(*old, m, tile);
     const int k = tile.lane;
@@ -123,10 +131,15 @@ struct BuildRowsOfPoint {
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 6;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
-    if (s.hasRows[i] == 0) return;
-    const int k = tile.lane, row = s.rowOffset[i];
-    const Manifold m = manifoldOfPoint(s.manifold[i], tile);
-    const PairPlace place = pairPlace(s, i);
+    // asked for at once, then what the bodies have
+    const int k = tile.lane, row = s.rowOffset[i], pair = s.activePair[i];
+    const bool hasRows = s.hasRows[i] != 0;
+    const LoadedManifold loaded = loadManifold(s.manifold[i], tile);
+    if (!hasRows) return;
+    const OrderedPair bodies = ordered(loadUnchanging(s.pair[pair]));
+    askForBodies(s, bodies, tile);
+    const PairPlace place = pairPlace(s, bodies);
+    const Manifold m = manifoldOfPoint(loaded, tile);
     const bool on = k < m.count;
     PointMotion<Real> motion{};
     if (on) motion = pointMotion<Real>(s, m, place, 0);
@@ -149,6 +162,17 @@ struct BuildRowsOfPoint {
   }
 
  private:
+  /// Asks for what rows take of the bodies, two lanes a body: behind branches each would be waited for alone.
+  __device__ static void askForBodies(const SolverData& s, const OrderedPair& o, const PointTile& tile) {
+    const int body = tile.lane % 2 == 0 ? o.a : o.b;
+    if (tile.lane < 2) {
+      askForLine(&s.orientation[body]), askForLine(&s.velocity[body]), askForLine(&s.angularVelocity[body]);
+      askForLine(&s.correction[body]);
+    } else {
+      askForLine(&s.params[body]), askForLine(&s.params[body].muStatic), askForLine(&s.pushed[body]);
+      askForLine(&s.islandMassLength[body]), askForLine(&s.impactSpeedBound[body]);
+    }
+  }
   /// Stores the fields that the points share, 16 bytes per lane.
   __device__ static void storeHead(const ContactRows& own, ContactRows& r, const PointTile& tile) {
     constexpr int kQuads = (sizeof(ContactRows) - offsetof(ContactRows, n)) / sizeof(float4);

@@ -19,10 +19,10 @@ __device__ inline float4 transposed(const float4& v, const PointTile& tile) {
   return upper ? make_float4(c, d, pairs.z, pairs.w) : make_float4(pairs.x, pairs.y, c, d);
 }
 
-/// Loads four consecutive Lane4 fields, at the point of this lane: at once, where a plain load would be split
-/// into one of four bytes for each element that a lane sends or keeps.
-__device__ inline float4 loadFields(const Lanes& first, const PointTile& tile) {
-  return transposed(__ldca(reinterpret_cast<const float4*>(&first) + tile.lane), tile);
+/// One of four consecutive Lane4 fields for each lane: at once, where a plain load would be split into one of
+/// four bytes for each element that a lane sends or keeps.
+__device__ inline float4 loadField(const Lanes& first, const PointTile& tile) {
+  return __ldca(reinterpret_cast<const float4*>(&first) + tile.lane);
 }
 /// Stores the first `count` of four consecutive fields, at the points of all lanes.
 __device__ inline void storeFields(Lanes& first, int count, const float4& values, const PointTile& tile) {
@@ -34,23 +34,46 @@ __device__ inline void storeFields(Lanes& first, int count, const float4& values
 inline constexpr int kSharedQuads = (sizeof(Manifold) - offsetof(Manifold, localNormal)) / sizeof(float4);
 static_assert(offsetof(Manifold, localNormal) + kSharedQuads * sizeof(float4) == sizeof(Manifold));
 
-/// A manifold with the point of this lane as point 0. Features and other points are not set.
-__device__ inline Manifold manifoldOfPoint(const Manifold& m, const PointTile& tile) {
-  static_assert(offsetof(Manifold, localNormal) == 14 * sizeof(Lanes));
-  const float4 onA = loadFields(m.aX, tile), onB = loadFields(m.bY, tile), load = loadFields(m.lambda2, tile);
-  Manifold own;
+/// Asks for the line of an address, into the first-level cache.
+__device__ inline void askForLine(const void* p) { asm volatile("prefetch.global.L1 [%0];" ::"l"(p)); }
+
+/// What a lane loads of a manifold, before the lanes exchange fields: all of it is asked for at once.
+struct LoadedManifold {
+  float4 onA, onB, load;  ///< one of aX to bX, of bY to lambda1, of lambda2 to drift1
   float4 shared[kSharedQuads];
+  float drift2;  ///< of the point of this lane
+};
+__device__ inline LoadedManifold loadManifold(const Manifold& m, const PointTile& tile) {
+  static_assert(offsetof(Manifold, localNormal) == 14 * sizeof(Lanes));
+  LoadedManifold loaded{loadField(m.aX, tile), loadField(m.bY, tile), loadField(m.lambda2, tile), {}, 0};
 #pragma unroll
   for (int q = 0; q < kSharedQuads; ++q)
-    shared[q] = __ldca(reinterpret_cast<const float4*>(&m.localNormal) + q);
-  memcpy(static_cast<void*>(&own.localNormal), shared, sizeof shared);
+    loaded.shared[q] = __ldca(reinterpret_cast<const float4*>(&m.localNormal) + q);
+  loaded.drift2 = __ldca(reinterpret_cast<const Real*>(&m.drift2) + tile.lane);
+  return loaded;
+}
+/// The fields that the points share. No point is set.
+__device__ inline Manifold sharedOf(const LoadedManifold& loaded) {
+  Manifold own;
+  memcpy(static_cast<void*>(&own.localNormal), loaded.shared, sizeof loaded.shared);
+  return own;
+}
+/// Makes the point of this lane point 0, but for its feature.
+__device__ inline void takePoint(Manifold& own, const LoadedManifold& loaded, const PointTile& tile) {
+  const float4 onA = transposed(loaded.onA, tile), onB = transposed(loaded.onB, tile),
+               load = transposed(loaded.load, tile);
   own.aX[0] = onA.x, own.aY[0] = onA.y, own.aZ[0] = onA.z, own.bX[0] = onA.w;
   own.bY[0] = onB.x, own.bZ[0] = onB.y, own.lambdaN[0] = onB.z, own.lambda1[0] = onB.w;
   own.lambda2[0] = load.x, own.kN[0] = load.y, own.kT[0] = load.z, own.drift1[0] = load.w;
-  own.drift2[0] = m.drift2[tile.lane];
+  own.drift2[0] = loaded.drift2;
   const auto ofPoint = [&](std::uint8_t bits) { return static_cast<std::uint8_t>(bits >> tile.lane & 1); };
   own.stick = ofPoint(own.stick), own.impact = ofPoint(own.impact),
   own.activePoints = ofPoint(own.activePoints);
+}
+/// A manifold with the point of this lane as point 0. Features and other points are not set.
+__device__ inline Manifold manifoldOfPoint(const LoadedManifold& loaded, const PointTile& tile) {
+  Manifold own = sharedOf(loaded);
+  takePoint(own, loaded, tile);
   return own;
 }
 

@@ -74,7 +74,8 @@ RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, cons
   return true;
 }
 
-/// Has pair i hardly moved since the full test that its previous manifold comes from?
+/// Has pair i hardly moved since the full test that its previous manifold comes from? If the manifold has
+/// points, `pose` needs no margin.
 RUBBLE_HD inline bool hardlyMoved(const SolverData& s, int i, const PairPose& pose, const Manifold& old) {
   return recyclable(s.pairTest[s.activePair[i]], old.count, pose, s.step->recycleTolerance);
 }
@@ -93,8 +94,9 @@ template <class L> struct RecycleManifolds {
   RUBBLE_HD static bool reuses(const SolverData& s, int i, ManifoldCount& count) {
     const Pair p = s.pair[s.activePair[i]];
     const OrderedPair o = ordered(p);
-    const PairPose pose = pairPose(s, o);
     const Manifold* const old = manifoldBefore(s, i);
+    PairPose pose = pairPoseWithoutMargin(s, o);
+    if (old && old->count == 0) setMargin(s, o, pose);
     if (keepAsleep(s, i, p, old)) return true;
     if (!old || rolls(*old) || !mayRecycle(s, o) || !hardlyMoved(s, i, pose, *old)) return false;
     count = keepManifold(s, i, o, pose, recycledManifold<L>(*old, pose));
@@ -140,10 +142,12 @@ struct PairPlace {
   Vec3 t;       ///< p_B - p_A [m]
   Real length;  ///< L [m]
 };
-RUBBLE_HD inline PairPlace pairPlace(const SolverData& s, int manifold) {
-  const OrderedPair o = ordered(s.pair[s.activePair[manifold]]);
+RUBBLE_HD inline PairPlace pairPlace(const SolverData& s, const OrderedPair& o) {
   return {o, loadUnchanging(s.orientation[o.a]), loadUnchanging(s.orientation[o.b]),
           centerDistance(s, o.a, o.b), pairLength(s.params[o.a], s.params[o.b])};
+}
+RUBBLE_HD inline PairPlace pairPlace(const SolverData& s, int manifold) {
+  return pairPlace(s, ordered(s.pair[s.activePair[manifold]]));
 }
 
 /// Contact points at x^t.
@@ -225,10 +229,10 @@ RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real 
 /// Factor of the stiffness of a contact in a column of N bodies [1]: (N / kStiffColumn)^2. N would keep the
 /// share of the slowest compression that an iteration corrects, and N^2 also keeps a column from buckling.
 RUBBLE_HD inline Real columnGain(const SolverData& s, const OrderedPair& o) {
-  const auto lengthOf = [&](int body, int other) {
-    return isDynamic(s, body) ? columnBefore(s, body) : isDynamic(s, other) ? columnBefore(s, other) : 0;
-  };
-  const Real relative = static_cast<Real>(min(lengthOf(o.a, o.b), lengthOf(o.b, o.a))) / Real(kStiffColumn);
+  const bool aMoves = isDynamic(s, o.a), bMoves = isDynamic(s, o.b);
+  const int ofA = columnBefore(s, o.a), ofB = columnBefore(s, o.b);
+  const int bodies = aMoves && bMoves ? min(ofA, ofB) : aMoves ? ofA : bMoves ? ofB : 0;
+  const Real relative = static_cast<Real>(bodies) / Real(kStiffColumn);
   return max(Real(1), relative * relative);
 }
 

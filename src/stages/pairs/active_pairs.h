@@ -6,14 +6,21 @@
 
 namespace rubble::RUBBLE_CORE {
 
+/// Finds the detection margin of a pair.
+RUBBLE_HD inline void setMargin(const SolverData& s, const OrderedPair& o, PairPose& pose) {
+  const PairSpeed speed = pairSpeed(s, o.a, o.b, s.params[o.a], s.params[o.b]);
+  pose.margin = pairMargin(s, o.a, o.b, pose.length, speed), pose.bullet = speed.bullet;
+}
+/// The relative pose of a pair, without a margin.
+RUBBLE_HD inline PairPose pairPoseWithoutMargin(const SolverData& s, const OrderedPair& o) {
+  return {loadUnchanging(s.orientation[o.a]), loadUnchanging(s.orientation[o.b]), centerDistance(s, o.a, o.b),
+          pairLength(s.params[o.a], s.params[o.b]), 0};
+}
 /// The relative pose of a pair as the narrow phase needs it.
 RUBBLE_HD inline PairPose pairPose(const SolverData& s, const OrderedPair& o) {
-  const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
-  const Real size = pairLength(pa, pb);
-  const PairSpeed speed = pairSpeed(s, o.a, o.b, pa, pb);
-  return {loadUnchanging(s.orientation[o.a]),   loadUnchanging(s.orientation[o.b]),
-          centerDistance(s, o.a, o.b),          size,
-          pairMargin(s, o.a, o.b, size, speed), speed.bullet};
+  PairPose pose = pairPoseWithoutMargin(s, o);
+  setMargin(s, o, pose);
+  return pose;
 }
 
 /// Bounds the speed that an imminent impact may give to a body at rest. Its neighbors then use the detection

@@ -22,8 +22,9 @@ RUBBLE_HD inline Pair pairOf(const SolverData& s, int owner, int other, int firs
 
 RUBBLE_HD inline Real pairLength(const BodyParams& a, const BodyParams& b) {
   // the smaller dynamic body; a fixed one says nothing about the scale of the contact
-  const Real ra = a.kind == BodyKind::Dynamic ? a.radius : Real(0),
-             rb = b.kind == BodyKind::Dynamic ? b.radius : Real(0);
+  const Real radiusA = loadUnchanging(a.radius), radiusB = loadUnchanging(b.radius);
+  const Real ra = a.kind == BodyKind::Dynamic ? radiusA : Real(0),
+             rb = b.kind == BodyKind::Dynamic ? radiusB : Real(0);
   return 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
 }
 
