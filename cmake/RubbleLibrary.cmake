@@ -97,6 +97,9 @@ if(rubble_distributed_sources)
 endif()
 if(rubble_cuda AND rubble_cuda_sources)
   rubble_add_core(rubble_core_cuda f32 float ${rubble_cuda_sources})
+  set(kernel_sources ${rubble_cuda_sources})
+  list(FILTER kernel_sources INCLUDE REGEX "\\.cu$")
+  set_source_files_properties(${kernel_sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # CMake groups them from 3.31 on
   # A host-only call in device code is a mere warning to nvcc, and the kernel silently becomes empty: so warnings are errors.
   target_compile_options(rubble_core_cuda PRIVATE
     $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings --expt-relaxed-constexpr --extended-lambda -Xcompiler=-ffp-contract=off>)
