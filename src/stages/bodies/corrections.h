@@ -3,7 +3,7 @@
 /// its load lets it settle by the same amount. Friction must resist the settling but not the correction;
 /// otherwise particles in a bin would be carried by its walls from below. This pass finds the motion of each
 /// body that correction causes.
-#include "state/solver_data.h"
+#include "stages/bodies/visit_incidences.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -57,17 +57,16 @@ struct FindCorrections {
     if (s.params[i].kind != BodyKind::Dynamic || isAsleep(s, i)) return;
     Vec3 sum{0, 0, 0};
     Real borne = 0;
-    const int end = s.incidenceOffset[i + 1];
-    for (int k = s.incidenceOffset[i]; k < end && constraintType(s.incidence[k].code) == kContactType; ++k) {
-      const Incidence& incidence = s.incidence[k];
+    visitIncidences(s, i, [&](const Incidence& incidence) {
+      if (constraintType(incidence.code) != kContactType) return;
+      const Vec3 below = incidence.other >= 0 ? s.correction[incidence.other] : Vec3{0, 0, 0};
       const Support& support = s.support[constraintIndex(incidence.code)];
       const Real sign = constraintSide(incidence.code) == 0 ? Real(-1) : Real(1),
                  weight = sign * support.weight;
-      if (!(weight > Real(0))) continue;
-      const Vec3 below = incidence.other >= 0 ? s.correction[incidence.other] : Vec3{0, 0, 0};
+      if (!(weight > Real(0))) return;
       sum += weight * (below + sign * support.correction);
       borne += weight;
-    }
+    });
     // the part of the weight that joints support counts as motionless
     borne = max(borne, -s.params[i].mass * dot(s.stepOf(i).gravity, s.stepOf(i).up));
     const Vec3 correction = borne > Real(0) ? sum * (Real(1) / borne) : Vec3{0, 0, 0};

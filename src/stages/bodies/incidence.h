@@ -1,5 +1,6 @@
 #pragma once
 /// Incidence lists: the constraints of each dynamic body in compressed (CSR) form, sorted by type and index.
+#include "stages/bodies/visit_incidences.h"
 #include "stages/coarse/aggregates.h"
 
 namespace rubble::RUBBLE_CORE {

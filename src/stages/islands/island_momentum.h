@@ -68,12 +68,11 @@ struct JoinMomentumIslands {
     }
     s.islandMassLength[i] = floatBits(s.params[i].mass * 2 * s.params[i].radius);
     int bonds = s.target[i].locks != 0 ? kHeld : 0;
-    for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) {
-      const Incidence incidence = s.incidence[k];
+    visitIncidences(s, i, [&](const Incidence& incidence) {
       bonds |= bondsOf(s, incidence);
       if (incidence.depth == kCoarseLevels && incidence.other > i && incidence.other < s.bodies)
         unite(islandForest(s), i, incidence.other);
-    }
+    });
     s.islandBonds[i] = bonds;
   }
 };
