@@ -200,7 +200,7 @@ void RankDivision::migrate() {
   for (const int k : pairs_.index) {
     const Pair& p = s.pair[k];
     if (!s.oneWay) {
-      need(findOldPair(s, p));
+      need(findOldPair(s, k));
       continue;
     }
     // one-way surfaces also read the contacts of parts that no longer make a pair

@@ -15,7 +15,7 @@ struct WakeByPairs {
     const Pair p = s.pair[i];
     const bool owner = s.asleep[p.owner] != 0, other = s.asleep[p.other] != 0;
     if ((!owner && !other) || isSensor(s, p.owner) || isSensor(s, p.other)) return;
-    if (!moves(s, p.owner) && !moves(s, p.other) && findOldPair(s, p) >= 0) return;
+    if (!moves(s, p.owner) && !moves(s, p.other) && findOldPair(s, i) >= 0) return;
     if (owner) atomicRaise(&s.islandFlag[s.asleep[p.owner] - 1], 1);
     if (other) atomicRaise(&s.islandFlag[s.asleep[p.other] - 1], 1);
   }

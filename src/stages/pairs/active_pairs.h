@@ -152,8 +152,13 @@ RUBBLE_HD inline Real activationReach(const SolverData& s, const OrderedPair& o,
 }
 
 /// Index of the same pair in the previous step, or -1.
-RUBBLE_HD inline int findOldPair(const SolverData& s, const Pair& p) {
-  for (int k = s.oldPairOffset[p.owner]; k < s.oldPairOffset[p.owner + 1]; ++k)
+RUBBLE_HD inline int findOldPair(const SolverData& s, int pair) {
+  const Pair p = s.pair[pair];
+  const int begin = s.oldPairOffset[p.owner], end = s.oldPairOffset[p.owner + 1];
+  // mostly where it was: pairs of a body change rarely
+  const int last = begin + pair - s.pairOffset[p.owner];
+  if (last < end && samePair(s.oldPair[last], p)) return last;
+  for (int k = begin; k < end; ++k)
     if (samePair(s.oldPair[k], p)) return k;
   return -1;
 }
@@ -194,18 +199,18 @@ struct FindActivePairs {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Pair p = s.pair[i];
-    const int old = findOldPair(s, p), manifold = old < 0 ? -1 : manifoldOfOld(s, old);
+    const int old = findOldPair(s, i), manifold = old < 0 ? -1 : manifoldOfOld(s, old);
     const PairTest test = old < 0 ? PairTest{} : s.oldPairTest[old];
     s.pairTest[i] = test;
     s.manifoldBefore[i] = manifold;
     s.isActive[i] = 1;
-    if (!mayStaySeparated(s, p)) return;
+    // most pairs of a pile have rows, and nothing else needs to be known of them
+    if ((manifold >= 0 && s.oldManifold[manifold].row >= 0) || !mayStaySeparated(s, p)) return;
     const OrderedPair o = ordered(p);
-    if (old < 0) {
-      if (isPrimitivePair(s, o.a, o.b)) s.newPair[atomicCount(&s.counters->newPairs, 1)] = i;
-    } else if (staysSeparated(s, o, pairPose(s, o), test)) {
-      s.isActive[i] = manifold >= 0 && s.oldManifold[manifold].row >= 0;
-    }
+    if (old >= 0)
+      s.isActive[i] = !staysSeparated(s, o, pairPose(s, o), test);
+    else if (isPrimitivePair(s, o.a, o.b))
+      s.newPair[atomicCount(&s.counters->newPairs, 1)] = i;
   }
 };
 
