@@ -1,6 +1,7 @@
 #pragma once
 /// The primal update. Several lanes per body gather its rows, while the last warps of the block solve the
 /// local problems of the previous batch. High-degree bodies take a block each.
+#include "backend/cuda/extra_rows.cuh"
 #include "backend/cuda/row_stream.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -16,9 +17,6 @@ struct ColorBlocks {
 inline constexpr int kHighDegreeBlocks = 16;
 /// One of this many resident blocks processes vertices, where bodies move as well.
 inline constexpr int kVertexShare = 4;
-/// Lanes per body: few where bodies fill the device, so that reductions are short, and more otherwise, so
-/// that a body takes fewer rounds.
-inline constexpr int kLeastLanes = 4, kMostLanes = 16;
 /// Lanes per vertex, which share its elements and contacts.
 inline constexpr int kVertexLanes = 8, kMostVertexLanes = kWarp;
 /// Resident blocks of the vertex kernel per multiprocessor if no body moves. The number is low so that 80
@@ -36,18 +34,6 @@ struct SolveThreads {
 };
 /// Colors of at most this many bodies share a single-block launch, which solves that many at once.
 inline constexpr int kTailBodies = kGatherThreads / kMostLanes;
-
-/// Which constraints occur besides contacts without rolling friction. Their calls cost registers in the whole
-/// kernel.
-enum class ExtraRows { None, Any, FewJoints };
-/// While bodies do not fill the device, the time of all joints is that of one.
-inline bool hasFewJoints(const SolverData& s, int threads) {
-  return s.hasJoints() && lanesFor<1, kMostLanes>(s.bodies, threads) == kMostLanes;
-}
-inline ExtraRows extraRowsOf(const SolverData& s, int threads) {
-  if (hasFewJoints(s, threads)) return ExtraRows::FewJoints;
-  return s.hasJoints() || s.rolls || s.vertices > 0 || s.anyKinds ? ExtraRows::Any : ExtraRows::None;
-}
 
 /// Adds the joints among the incidences [k, end) of a body, one per lane. Not inlined: joints are rare and
 /// would raise the register count of kernels that mostly process contacts.
@@ -266,10 +252,15 @@ template <ExtraRows extra>
 __device__ void solveColorTogether(const SolverData& s, int color, int threads, int share, int shares,
                                    SolveMemory& memory) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
-  withLanes<kLeastLanes, 8, kMostLanes>(
-      lanesFor<kLeastLanes, 8, kMostLanes>(count, threads), [&]<int kWidth>() {
-        solveBodies<kWidth, extra>(s, s.colorBody + begin, count, share, shares, memory);
-      });
+  const auto solve = [&]<int kWidth>() {
+    solveBodies<kWidth, extra>(s, s.colorBody + begin, count, share, shares, memory);
+  };
+  // where joints take most of the time, a warp for a body would only wait for them
+  if constexpr (extra == ExtraRows::FewJoints)
+    withLanes<kLeastLanes, 8, kMostLanes>(lanesFor<kLeastLanes, 8, kMostLanes>(count, threads), solve);
+  else
+    withLanes<kLeastLanes, 8, kMostLanes, kWarp>(lanesFor<kLeastLanes, 8, kMostLanes, kWarp>(count, threads),
+                                                 solve);
 }
 
 inline constexpr int kTailVertices = kSolveThreads / kMostVertexLanes;
