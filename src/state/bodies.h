@@ -154,6 +154,8 @@ RUBBLE_HD constexpr std::uint32_t constraintCode(int type, int index, int side) 
          static_cast<std::uint32_t>(side);
 }
 RUBBLE_HD constexpr int constraintType(std::uint32_t code) { return static_cast<int>(code >> 27); }
+/// A code of no existing type.
+inline constexpr std::uint32_t kNoConstraint = 0xffffffffu;
 RUBBLE_HD constexpr int constraintIndex(std::uint32_t code) {
   return static_cast<int>((code & 0x07ffffffu) >> 1);
 }
@@ -230,13 +232,19 @@ struct Aggregate {
   int sliceBegin, sliceEnd;
 };
 
+/// A constraint between a body of a slice and one outside its aggregate.
+struct alignas(16) BoundaryConstraint {
+  std::uint32_t code;  ///< incidence code, on the side of the body in the slice
+  Vec3 shift;          ///< from the center of the aggregate to that body, both at x^t [m]
+};
+
 /// A part of an aggregate: the unit of parallel summation.
 struct Slice {
   int aggregate;
   int begin, end;  ///< in aggregateNode
   Block6 sum;
 };
-inline constexpr int kSliceNodes = 32;
+inline constexpr int kSliceNodes = 64;
 
 /// Sums over an island, or a part of it, about a fixed point, in a frame that moves with the root body
 /// (stages/islands/island_momentum.h).

@@ -168,10 +168,10 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<Slice> slice = nullptr;
   Array<int>
       boundaryCount = nullptr;  ///< constraints between bodies of the slice and bodies outside its aggregate
-  Array<int> boundaryOffset = nullptr;      ///< [slices + 1]
-  Array<std::uint32_t> boundary = nullptr;  ///< incidence codes sorted by slice
-  Array<int> levelAggregate = nullptr;      ///< [levels + 1] first aggregate of a level
-  Array<int> levelSlice = nullptr;          ///< [levels + 1] first slice of a level
+  Array<int> boundaryOffset = nullptr;           ///< [slices + 1]
+  Array<BoundaryConstraint> boundary = nullptr;  ///< sorted by slice
+  Array<int> levelAggregate = nullptr;           ///< [levels + 1] first aggregate of a level
+  Array<int> levelSlice = nullptr;               ///< [levels + 1] first slice of a level
   // columns
   Array<ColumnLinks> columnLinks = nullptr;
   Array<int> columnCount = nullptr;   ///< at one end of a column: number of its bodies

@@ -86,12 +86,13 @@ inline void addBoundaryContactsOfTwo(const SolverData& s, const int* slice, Bloc
   addContacts<true>(
       s,
       [&](int half, std::uint32_t& code, PaddedVec3& shift) {
-        while (k[half] < end[half] && constraintType(s.boundary[k[half]]) != kContactType) ++k[half];
+        while (k[half] < end[half] && constraintType(s.boundary[k[half]].code) != kContactType) ++k[half];
         if (k[half] >= end[half]) return false;
-        code = s.boundary[k[half]++];
-        const ContactRows& r = s.contact[constraintIndex(code)];
+        const BoundaryConstraint& c = s.boundary[k[half]++];
+        const ContactRows& r = s.contact[constraintIndex(c.code)];
         const Aggregate& aggregate = s.aggregate[s.slice[slice[half]].aggregate];
-        shift = shiftOf(s, aggregate, constraintSide(code) == 0 ? r.a : r.b);
+        code = c.code;
+        shift = shiftOf(aggregate, c.shift, s.dx[constraintSide(code) == 0 ? r.a : r.b].dp);
         return true;
       },
       low, high);

@@ -158,7 +158,7 @@ template <> struct Simd4Kernel<SumSlice<Real4>> {
     for (const int i : index) {
       // no prefetch far into the list of a large slice
       const int end = min(s.boundaryOffset[i + 1], s.boundaryOffset[i] + kLanes * kAhead);
-      for (int k = s.boundaryOffset[i]; k < end; ++k) fetchBall(s, s.boundary[k]);
+      for (int k = s.boundaryOffset[i]; k < end; ++k) fetchBall(s, s.boundary[k].code);
       for (int k = s.slice[i].begin; k < min(s.slice[i].end, s.slice[i].begin + kLanes); ++k)
         if (s.aggregateNode[k] < s.bodies) fetch(&s.target[s.aggregateNode[k]], sizeof(BodyTarget));
     }
@@ -181,7 +181,7 @@ template <> struct Simd4Kernel<SumSlice<Real4>> {
     if (!even) {
       for (int lane = 0; lane < kLanes; ++lane) addOthers(s, s.slice[index[lane]], least, lane, sum);
     }
-    const auto codeOf = [&](int lane, int k) { return s.boundary[s.boundaryOffset[index[lane]] + k]; };
+    const auto codeOf = [&](int lane, int k) { return s.boundary[s.boundaryOffset[index[lane]] + k].code; };
     const auto shiftOf = [&](const std::uint32_t(&code)[kLanes]) {
       Lane4 body;
       for (int lane = 0; lane < kLanes; ++lane)

@@ -1,7 +1,9 @@
 #pragma once
 /// Kernels of the coarse correction. A tile of lanes per slice strides over nodes, constraints, points or
 /// slices.
+#include "backend/cuda/extra_rows.cuh"
 #include "backend/cuda/long_list_kernels.cuh"
+#include "backend/cuda/points.cuh"
 #include "backend/peers/peer_data.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -33,16 +35,6 @@ __host__ __device__ inline bool hasNarrowSlices(const SolverData& s) {
 __host__ __device__ inline int sliceWidth(const SolverData& s, int level) {
   return level == 0 && hasNarrowSlices(s) ? kSmallWidth : kWarp;
 }
-/// Is the slice a whole aggregate of so few nodes and constraints that kSmallWidth lanes sum it? That takes
-/// them a round for the nodes and up to eight for the constraints, of which kLanes lanes share one.
-__device__ inline bool isNarrow(const SolverData& s, int slice) {
-  constexpr int kMostConstraints = 8 * (kSmallWidth / kLanes);
-  const Slice& own = s.slice[slice];
-  const Aggregate& aggregate = s.aggregate[own.aggregate];
-  return own.end - own.begin <= kSmallWidth && aggregate.sliceEnd - aggregate.sliceBegin == 1 &&
-         s.boundaryOffset[slice + 1] - s.boundaryOffset[slice] <= kMostConstraints;
-}
-
 /// Slice sums are reduced to the sum of an aggregate by a tree whose fan-in is the tile width. The last child
 /// to arrive adds up all children of a node, in index order. kSumLevels levels cover kSmallWidth^8 slices.
 inline constexpr int kSumLevels = 8;
@@ -69,12 +61,8 @@ struct SumTree {
       const int first = place / kWidth * kWidth, children = min(kWidth, count - first),
                 node = aggregate.sliceBegin + first * stride;
       int* const ticket = tickets + level * slices + node;
-      __threadfence();
-      __syncwarp(tile.mask);
-      int come = 0;
-      if (tile.lane == 0) come = atomicAdd(ticket, 1) + 1;
-      if (__shfl_sync(tile.mask, come, 0, kWidth) < children) return false;
-      __threadfence();
+      if (arrivalAt(ticket, tile) < children) return false;
+      asm volatile("fence.acq_rel.gpu;" ::: "memory");
       if (tile.lane == 0) *ticket = 0;
       Block6 own;
       if (tile.lane < children) own = loadFresh(s.slice[node + tile.lane * stride].sum);
@@ -85,6 +73,15 @@ struct SumTree {
   }
 
  private:
+  /// Counts a tile, whose stores become visible to those that come later. Returns how many have come. A fence
+  /// of each lane would also empty the first-level cache each time.
+  template <int kWidth> __device__ static int arrivalAt(int* ticket, const Tile<kWidth>& tile) {
+    __syncwarp(tile.mask);
+    int before = 0;
+    if (tile.lane == 0)
+      asm volatile("atom.add.release.gpu.s32 %0, [%1], 1;" : "=r"(before) : "l"(ticket) : "memory");
+    return __shfl_sync(tile.mask, before, 0, kWidth) + 1;
+  }
   /// Loads a block that other thread blocks wrote within this kernel.
   __device__ static Block6 loadFresh(const Block6& from) {
     Real v[kBlockReals];
@@ -107,6 +104,7 @@ struct SumInertiaByTile {
     Aggregate& aggregate = s.aggregate[slice.aggregate];
     const Vec3d origin = originOf(s, slice);
     Block6 own;
+#pragma unroll 2
     for (int k = slice.begin + tile.lane; k < slice.end; k += kWidth)
       addInertia(s, aggregate, origin, s.aggregateNode[k], own);
     Real sums[kRealsPerLane<kWidth>];
@@ -122,21 +120,38 @@ struct CountBoundaryByTile {
   static constexpr int kWidth = kSmallWidth;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const Slice& slice = s.slice[i];
-    const int level = s.aggregate[slice.aggregate].level;
+    const Aggregate& aggregate = s.aggregate[slice.aggregate];
     int count = 0;
     for (int k = slice.begin + tile.lane; k < slice.end; k += kWidth)
-      visitBoundaryOf(s, s.aggregateNode[k], level, [&](std::uint32_t) { ++count; });
+      visitBoundaryOf(s, aggregate, s.aggregateNode[k], [&](const BoundaryConstraint&) { ++count; });
     count = tile.sum(count);
     if (tile.lane == 0) s.boundaryCount[i] = count;
   }
 };
 template <> struct OnDevice<CountBoundary> { using Type = CountBoundaryByTile; };
 
+/// What a tile needs to know of a slice before it sums it: its nodes and its boundary constraints.
+struct SliceRanges {
+  int aggregate, begin, end;
+  int boundaryBegin, boundaryEnd;
+};
+__device__ inline SliceRanges rangesOf(const SolverData& s, int slice) {
+  const Slice& own = s.slice[slice];
+  return {own.aggregate, own.begin, own.end, s.boundaryOffset[slice], s.boundaryOffset[slice + 1]};
+}
+
 /// A slice is long if its tile would take more rounds than this in a sweep, with one constraint per four
 /// lanes and round.
 inline constexpr int kLongRounds = 32;
-__device__ inline bool isLongSlice(const SolverData& s, int slice, int level) {
-  return s.boundaryOffset[slice + 1] - s.boundaryOffset[slice] > kLongRounds * sliceWidth(s, level) / kLanes;
+__device__ inline bool isLongSlice(const SolverData& s, const SliceRanges& slice, int level) {
+  return slice.boundaryEnd - slice.boundaryBegin > kLongRounds * sliceWidth(s, level) / kLanes;
+}
+/// Is the slice a whole aggregate of so few nodes and constraints that kSmallWidth lanes sum it? That takes
+/// them a round for the nodes and up to eight for the constraints, of which kLanes lanes share one.
+__device__ inline bool isNarrow(const SliceRanges& slice, const Aggregate& aggregate) {
+  constexpr int kMostConstraints = 8 * (kSmallWidth / kLanes);
+  return slice.end - slice.begin <= kSmallWidth && aggregate.sliceEnd - aggregate.sliceBegin == 1 &&
+         slice.boundaryEnd - slice.boundaryBegin <= kMostConstraints;
 }
 
 /// FillBoundary in the order of the serial kernel. It also lists long slices.
@@ -146,17 +161,18 @@ struct FillBoundaryByTile {
   LongList longSlices;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const Slice& slice = s.slice[i];
-    const int level = s.aggregate[slice.aggregate].level;
-    if (tile.lane == 0 && isLongSlice(s, i, level)) longSlices.add(i);
+    const Aggregate& aggregate = s.aggregate[slice.aggregate];
+    if (tile.lane == 0 && isLongSlice(s, rangesOf(s, i), aggregate.level)) longSlices.add(i);
     int first = s.boundaryOffset[i];
     for (int base = slice.begin; base < slice.end; base += kWidth) {
       const int k = base + tile.lane;
       const bool on = k < slice.end;
       int count = 0;
-      if (on) visitBoundaryOf(s, s.aggregateNode[k], level, [&](std::uint32_t) { ++count; });
+      if (on) visitBoundaryOf(s, aggregate, s.aggregateNode[k], [&](const BoundaryConstraint&) { ++count; });
       int to = first + tile.sumBefore(count);
       if (on)
-        visitBoundaryOf(s, s.aggregateNode[k], level, [&](std::uint32_t code) { s.boundary[to++] = code; });
+        visitBoundaryOf(s, aggregate, s.aggregateNode[k],
+                        [&](const BoundaryConstraint& c) { storeWhole(s.boundary[to++], c); });
       first += tile.sum(count);
     }
   }
@@ -166,7 +182,7 @@ struct FillBoundaryByTile {
 static __device__ __noinline__ void addBoundaryJointsOutOfLine(const SolverData& s, int aggregate, int k,
                                                                int end, int stride, Block6* sum) {
   for (; k < end; k += stride)
-    if (const std::uint32_t code = s.boundary[k]; constraintType(code) != kContactType)
+    if (const std::uint32_t code = s.boundary[k].code; constraintType(code) != kContactType)
       addBoundaryJoint(s, aggregate, code, *sum);
 }
 
@@ -185,7 +201,7 @@ static __device__ __noinline__ void addBoundaryJointsUniform(const SolverData& s
   int have = 0;
   for (; k < end; k += stride) {
     const int e = k + tile.lane;
-    const std::uint32_t code = e < end ? s.boundary[e] : 0;
+    const std::uint32_t code = e < end ? s.boundary[e].code : 0;
     const unsigned joints = tile.ballot(e < end && constraintType(code) != kContactType);
     const int found = __popc(joints);
     // joint n goes to lane `first` + n
@@ -208,50 +224,95 @@ static __device__ __noinline__ void addBoundaryJointsUniform(const SolverData& s
 static __device__ __noinline__ void addBoundaryRollingOutOfLine(const SolverData& s, int k, int end,
                                                                 int stride, Block6* sum) {
   for (; k < end; k += stride)
-    if (const std::uint32_t code = s.boundary[k]; constraintType(code) == kContactType)
+    if (const std::uint32_t code = s.boundary[k].code; constraintType(code) == kContactType)
       addRolling(s, code, *sum);
+}
+
+/// Adds this lane's share (of `kWidth`) of the inertial forces of a slice. The loads of several nodes are on
+/// their way at once.
+template <int kWidth>
+__device__ void addInertialForces(const SolverData& s, const SliceRanges& slice, const Aggregate& aggregate,
+                                  int lane, Block6& sum) {
+  constexpr int kAhead = kWidth < kWarp ? 1 : 2;
+  if (s.bodies == 0) return;
+  for (int first = slice.begin + lane; first < slice.end; first += kAhead * kWidth) {
+    int node[kAhead];
+#pragma unroll
+    for (int k = 0; k < kAhead; ++k) node[k] = s.aggregateNode[min(first + k * kWidth, slice.end - 1)];
+    InertialState body[kAhead];
+#pragma unroll
+    for (int k = 0; k < kAhead; ++k) body[k] = inertialState(s, min(node[k], s.bodies - 1));
+#pragma unroll
+    for (int k = 0; k < kAhead; ++k)
+      if (node[k] < s.bodies && first + k * kWidth < slice.end) addInertialForce(s, aggregate, body[k], sum);
+  }
+}
+
+__device__ inline BoundaryConstraint boundaryAt(const SolverData& s, int k, int end) {
+  return k < end ? loadUnchanging(s.boundary[k]) : BoundaryConstraint{kNoConstraint, {}};
+}
+/// Adds this lane's share of the contacts among the boundary constraints [k, end), of which `next` is the
+/// first: the point of its number in each. Constraints are asked for two rounds ahead, their bodies one
+/// round. Returns whether there are other constraints.
+template <int kStride>
+__device__ bool addBoundaryContacts(const SolverData& s, const Aggregate& aggregate, int k, int end,
+                                    BoundaryConstraint next, Block6& sum) {
+  const auto bodiesOf = [&](const BoundaryConstraint& c) {
+    if (constraintType(c.code) != kContactType) return int2{-1, -1};
+    const ContactRows& r = s.contact[constraintIndex(c.code)];
+    return int2{r.a, r.b};
+  };
+  const PointTile tile = PointTile::ofThread();
+  BoundaryConstraint afterNext = boundaryAt(s, k + kStride, end);
+  int2 nextBodies = bodiesOf(next);
+  bool others = false;
+  for (; k < end; k += kStride) {
+    const BoundaryConstraint own = next;
+    const int2 bodies = nextBodies;
+    next = afterNext, afterNext = boundaryAt(s, k + 2 * kStride, end);
+    nextBodies = bodiesOf(next);
+    if (constraintType(own.code) == kContactType)
+      addBoundaryContact<Real>(s, aggregate, own, rowsOfPoint(s.contact[constraintIndex(own.code)], tile),
+                               bodies.x, bodies.y, 0, sum);
+    else
+      others = true;
+  }
+  return others;
 }
 
 /// This lane's share of the forces and Hessians of a slice, divided among `kWidth` lanes. The tile is a warp
 /// or less of them. any() is a vote of the tile.
-template <int kWidth, bool uniform, int kTile, class Any>
-__device__ Block6 gatherSlice(const SolverData& s, int i, const Slice& slice, const Aggregate& aggregate,
+template <int kWidth, ExtraRows extra, int kTile, class Any>
+__device__ Block6 gatherSlice(const SolverData& s, const SliceRanges& slice, const Aggregate& aggregate,
                               const Tile<kTile>& tile, int lane, Any&& any) {
   // one lane per contact point: four lanes share a constraint
   constexpr int kStride = kWidth / kLanes;
-  const int begin = s.boundaryOffset[i] + lane / kLanes, end = s.boundaryOffset[i + 1], point = lane % kLanes;
-  std::uint32_t next = begin < end ? s.boundary[begin] : 0;  // asked for before the nodes
+  const int begin = slice.boundaryBegin + lane / kLanes, end = slice.boundaryEnd;
+  const BoundaryConstraint first = boundaryAt(s, begin, end);  // asked for before the nodes
   Block6 own;
-  for (int k = slice.begin + lane; k < slice.end; k += kWidth)
-    addInertialForce(s, aggregate, s.aggregateNode[k], own);
-  if (aggregate.soft) {
-    Block6 sum = own;
-    addSoftNodes(s, slice.begin + lane, slice.end, kWidth, sum);
-    own = sum;
-  }
-  bool joints = false;
-  for (int k = begin; k < end; k += kStride) {
-    const std::uint32_t code = next;
-    if (k + kStride < end) next = s.boundary[k + kStride];
-    if (constraintType(code) == kContactType)
-      addBoundaryContact<Real>(s, aggregate, s.contact[constraintIndex(code)], constraintSide(code), point,
-                               own);
-    else
-      joints = true;
-  }
-  if (s.rolls && point == 0) {
-    Block6 sum = own;
-    addBoundaryRollingOutOfLine(s, begin, end, kStride, &sum);
-    own = sum;
-  }
-  if (any(joints)) {
-    Block6 sum = own;
-    if constexpr (uniform)
-      addBoundaryJointsUniform(s, slice.aggregate, s.boundaryOffset[i] + (lane - tile.lane), end, kWidth,
-                               tile, &sum);
-    else
-      addBoundaryJointsOutOfLine(s, slice.aggregate, s.boundaryOffset[i] + lane, end, kWidth, &sum);
-    own = sum;
+  addInertialForces<kWidth>(s, slice, aggregate, lane, own);
+  if constexpr (extra != ExtraRows::None)
+    if (aggregate.soft) {
+      Block6 sum = own;
+      addSoftNodes(s, slice.begin + lane, slice.end, kWidth, sum);
+      own = sum;
+    }
+  const bool joints = addBoundaryContacts<kStride>(s, aggregate, begin, end, first, own);
+  if constexpr (extra != ExtraRows::None) {
+    if (s.rolls && lane % kLanes == 0) {
+      Block6 sum = own;
+      addBoundaryRollingOutOfLine(s, begin, end, kStride, &sum);
+      own = sum;
+    }
+    if (any(joints)) {
+      Block6 sum = own;
+      if constexpr (extra == ExtraRows::FewJoints)
+        addBoundaryJointsUniform(s, slice.aggregate, slice.boundaryBegin + (lane - tile.lane), end, kWidth,
+                                 tile, &sum);
+      else
+        addBoundaryJointsOutOfLine(s, slice.aggregate, slice.boundaryBegin + lane, end, kWidth, &sum);
+      own = sum;
+    }
   }
   return own;
 }
@@ -268,14 +329,14 @@ __device__ void handOn(const SolverData& s, const SumTree& tree, int i, Aggregat
 }
 
 /// A long slice, processed by a thread block.
-template <int kTile, bool uniform>
-__device__ __noinline__ void sumLongSlice(const SolverData& s, const SumTree& tree, int i,
-                                          Real (&warpSums)[kThreads / kWarp][kWarp]) {
-  const Slice slice = s.slice[i];
+template <int kTile, ExtraRows extra>
+__device__ void sumLongSlice(const SolverData& s, const SumTree& tree, int i,
+                             Real (&warpSums)[kThreads / kWarp][kWarp]) {
+  const SliceRanges slice = rangesOf(s, i);
   Aggregate& aggregate = s.aggregate[slice.aggregate];
   const int thread = static_cast<int>(threadIdx.x);
-  const Block6 own = gatherSlice<kThreads, uniform>(s, i, slice, aggregate, Tile<kWarp>::ofThread(), thread,
-                                                    [](bool yes) { return __syncthreads_or(yes) != 0; });
+  const Block6 own = gatherSlice<kThreads, extra>(s, slice, aggregate, Tile<kWarp>::ofThread(), thread,
+                                                  [](bool yes) { return __syncthreads_or(yes) != 0; });
   Real mine[kRealsPerLane<kWarp>];
   sumBlocks(Tile<kWarp>::ofThread(), own, mine);
   warpSums[thread / kWarp][thread % kWarp] = mine[0];
@@ -292,11 +353,26 @@ __device__ __noinline__ void sumLongSlice(const SolverData& s, const SumTree& tr
   __syncthreads();
 }
 
+/// The same where constraints are summed by calls anyhow, so that their code is there once.
+template <int kTile, ExtraRows extra>
+__device__ __noinline__ void sumLongSliceOutOfLine(const SolverData& s, const SumTree& tree, int i,
+                                                   Real (&warpSums)[kThreads / kWarp][kWarp]) {
+  sumLongSlice<kTile, extra>(s, tree, i, warpSums);
+}
+
+/// Resident blocks of a multiprocessor. Without calls no register is spilled with five.
+template <ExtraRows extra> inline constexpr int kSliceBlocks = extra == ExtraRows::None ? 5 : 6;
+/// Nodes for which there is a tile. With calls there are only as many blocks as are resident; without, blocks
+/// that queue even out what slices cost (docs/research/tuning-log.md).
+template <int kTile, ExtraRows extra>
+inline constexpr int kNodesPerTile = extra == ExtraRows::None&& kTile == kWarp ? kSliceNodes / 2
+                                                                               : kSmallWidth;
+
 /// SumSlice and SolveAggregate fused, for the slices of a level (`softOnly`: of aggregates with soft nodes).
 /// The first blocks process long slices, each tile of the other blocks one slice. Slices of coarse levels
 /// that are narrow follow when the others are done.
-template <int kTile, bool uniform>
-__global__ void __launch_bounds__(kThreads, 6)
+template <int kTile, ExtraRows extra>
+__global__ void __launch_bounds__(kThreads, kSliceBlocks<extra>)
     sumSlices(const __grid_constant__ SolverData s, SumTree tree, LongList longSlices, int longBlocks,
               int level, bool softOnly, Gate gate) {
   awaitPrevious();
@@ -310,29 +386,44 @@ __global__ void __launch_bounds__(kThreads, 6)
   if (block < 0) {
     for (int h = static_cast<int>(blockIdx.x); h < *longSlices.count; h += longBlocks)
       if (const int i = longSlices.element[h]; i >= begin && i < end && !isLeft(i))
-        sumLongSlice<kTile, uniform>(s, tree, i, warpSums);
+        if constexpr (extra == ExtraRows::None)
+          sumLongSlice<kTile, extra>(s, tree, i, warpSums);
+        else
+          sumLongSliceOutOfLine<kTile, extra>(s, tree, i, warpSums);
     return;
   }
   const bool isMixed = kTile == kWarp && hasNarrowSlices(s);
   const auto sumEach = [&]<int kWidth>(const Tile<kWidth>& tile) {
     constexpr int kTiles = kThreads / kWidth;
     const int stride = (static_cast<int>(gridDim.x) - longBlocks) * kTiles;
-    for (int i = begin + block * kTiles + static_cast<int>(threadIdx.x) / kWidth; i < end; i += stride) {
-      if (isLongSlice(s, i, level) || isLeft(i) || (isMixed && isNarrow(s, i) != (kWidth == kSmallWidth)))
-        continue;
-      const Slice slice = s.slice[i];
+    const int firstOfBlock = begin + block * kTiles, thread = static_cast<int>(threadIdx.x),
+              tileOfWarp = thread % kWarp / kWidth;
+    SliceRanges next{};
+    const auto askFor = [&](int i) {
+      if (i < end) next = rangesOf(s, i);
+    };
+    int firstOfWarp = firstOfBlock + thread / kWarp * (kWarp / kWidth);
+    askFor(firstOfWarp + tileOfWarp);
+    for (; firstOfWarp < end; firstOfWarp += stride) {
+      const int i = firstOfWarp + tileOfWarp;
+      const SliceRanges slice = next;
+      askFor(i + stride);
       Aggregate& aggregate = s.aggregate[slice.aggregate];
-      const Block6 own = gatherSlice<kWidth, uniform>(s, i, slice, aggregate, tile, tile.lane,
-                                                      [&](bool yes) { return tile.ballot(yes) != 0; });
+      const bool on = i < end && !isLongSlice(s, slice, level) && !isLeft(i) &&
+                      (!isMixed || isNarrow(slice, aggregate) == (kWidth == kSmallWidth));
+      Block6 own;
+      if (on)
+        own = gatherSlice<kWidth, extra>(s, slice, aggregate, tile, tile.lane,
+                                         [&](bool yes) { return tile.ballot(yes) != 0; });
+      __syncwarp();  // the tiles of a warp took different numbers of rounds, and add up together
       Real sums[kRealsPerLane<kWidth>];
       sumBlocks(tile, own, sums);
-      handOn(s, tree, i, aggregate, tile, sums);
+      if (on) handOn(s, tree, i, aggregate, tile, sums);
     }
   };
   sumEach(Tile<kTile>::ofThread());
   if (isMixed) sumEach(Tile<kSmallWidth>::ofThread());
 }
-
 /// The second half of sumSlices, once all devices have the sums of all slices: in the same order.
 template <int kTile>
 __global__ void __launch_bounds__(kThreads) passSumsOn(const __grid_constant__ SolverData s, SumTree tree,

@@ -464,9 +464,13 @@ class CudaExecutor : private ScanLauncher {
   template <int kTile> void sumLevel(int level, bool softOnly, const SumTree& tree) {
     if (!begins()) return;
     enterStage(SumSlice<Real>::kStage);
-    launchNext(hasFewJoints(view(), residentThreads()) ? sumSlices<kTile, true> : sumSlices<kTile, false>,
-               {processors_ + blocksForRange(kTile), kThreads}, SumSlice<Real>::kStage, view(), tree,
-               listOf(longSlices_), processors_, level, softOnly, Gate{control_});
+    const auto sum = [&]<ExtraRows extra>() {
+      int blocks = blocksFor(view().nodes() / kNodesPerTile<kTile, extra> + 1, kTile);
+      if (extra != ExtraRows::None) blocks = std::min(blocks, kSliceBlocks<extra> * processors_);
+      launchNext(sumSlices<kTile, extra>, {processors_ + blocks, kThreads}, SumSlice<Real>::kStage, view(),
+                 tree, listOf(longSlices_), processors_, level, softOnly, Gate{control_});
+    };
+    withExtraRows(extraRowsOf(view(), residentThreads()), sum);
   }
 
   void solveColorsFrom(int color, int count, ColorBlocks blocks) {

@@ -118,8 +118,7 @@ template <int kWidth, int kQuads> class RowStream {
   struct Range {
     int begin, end;  ///< of the incidences, for these four lanes
   };
-  /// An incidence of no existing type.
-  __device__ static Incidence noEntry() { return {0xffffffffu, -1, 0}; }
+  __device__ static Incidence noEntry() { return {kNoConstraint, -1, 0}; }
   __device__ static bool isContact(const Incidence& e) { return constraintType(e.code) == kContactType; }
   __device__ int bodyAt(int k) const { return k < count_ ? bodies_[k] : -1; }
   __device__ Range rangeOf(int body) const {

@@ -112,7 +112,8 @@ void RankDivision::findConstraints(RankLists& rows, std::vector<RankLists>& join
       const int body = s.aggregateNode[k];
       // all constraints of own bodies are near
       if (body < s.bodies && seen_[std::size_t(body)] != kOwn)
-        visitBoundaryOf(s, body, s.aggregate[slice.aggregate].level, visit);
+        visitBoundaryOf(s, s.aggregate[slice.aggregate], body,
+                        [&](const BoundaryConstraint& c) { visit(c.code); });
     }
   }
   const auto unique = [](std::vector<int>& list) {

@@ -170,7 +170,7 @@ struct SeeSlices : PeerKernel {
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     const Slice& slice = s.slice[i];
-    const int level = s.aggregate[slice.aggregate].level;
+    const Aggregate& aggregate = s.aggregate[slice.aggregate];
     // nodes ascend, and without trees all bodies between the cuts are of this rank
     const PeerHome home{p.cut, p.rank};
     if (s.treeNodes == 0 && home.has(s.aggregateNode[slice.begin]) &&
@@ -181,7 +181,7 @@ struct SeeSlices : PeerKernel {
       // all constraints of own bodies are near
       if (body >= s.bodies || p.isMine(p.owner[body])) continue;
       see(s, p, body);
-      visitBoundaryOf(s, body, level, [&](std::uint32_t code) { seeConstraint(s, code); });
+      visitBoundaryOf(s, aggregate, body, [&](const BoundaryConstraint& c) { seeConstraint(s, c.code); });
     }
   }
 

@@ -19,10 +19,13 @@ namespace rubble::RUBBLE_CORE {
 /// Under-relaxation of the simultaneous aggregate steps; any factor below 1 guarantees descent [1].
 inline constexpr Real kAggregateRelaxation = Real(.8);
 
-/// Vector from the center of an aggregate to the position p_i of a body [m].
+/// Vector from the center of an aggregate to the position p_i of a body, which is `shift` at x^t and has
+/// moved by dp [m].
+RUBBLE_HD inline Vec3 shiftOf(const Aggregate& aggregate, const Vec3& shift, const Vec3& dp) {
+  return aggregate.joined ? shift + dp : shift;
+}
 RUBBLE_HD inline Vec3 shiftOf(const SolverData& s, const Aggregate& aggregate, int body) {
-  const Vec3 shift(s.position[body] - aggregate.center);
-  return aggregate.joined ? shift + s.dx[body].dp : shift;
+  return shiftOf(aggregate, Vec3(s.position[body] - aggregate.center), s.dx[body].dp);
 }
 
 /// Adds a block about one point to a block about another point; `shift` leads from the latter to the former.
@@ -105,25 +108,27 @@ struct PlaceAggregates {
   }
 };
 
-/// visit(code) for the constraints of a body that cross the boundary of its aggregate at a level. Those of
-/// soft nodes are summed by vertex.
+/// visit(constraint) for the constraints of a body that cross the boundary of its aggregate at a level. Those
+/// of soft nodes are summed by vertex.
 template <class Visit>
-RUBBLE_HD void visitBoundaryOf(const SolverData& s, int body, int level, Visit&& visit) {
+RUBBLE_HD void visitBoundaryOf(const SolverData& s, const Aggregate& aggregate, int body, Visit&& visit) {
   if (body >= s.bodies) return;
-  for (int e = s.incidenceOffset[body]; e < s.incidenceOffset[body + 1]; ++e)
-    if (s.incidence[e].depth > level) visit(s.incidence[e].code);
+  const Vec3 shift(s.position[body] - aggregate.center);
+  visitIncidences(s, body, [&](const Incidence& incidence) {
+    if (incidence.depth > aggregate.level) visit(BoundaryConstraint{incidence.code, shift});
+  });
 }
 template <class Visit> RUBBLE_HD void visitBoundary(const SolverData& s, int i, Visit&& visit) {
   const Slice& slice = s.slice[i];
-  const int level = s.aggregate[slice.aggregate].level;
-  for (int k = slice.begin; k < slice.end; ++k) visitBoundaryOf(s, s.aggregateNode[k], level, visit);
+  for (int k = slice.begin; k < slice.end; ++k)
+    visitBoundaryOf(s, s.aggregate[slice.aggregate], s.aggregateNode[k], visit);
 }
 
 struct CountBoundary {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     int count = 0;
-    visitBoundary(s, i, [&](std::uint32_t) { ++count; });
+    visitBoundary(s, i, [&](const BoundaryConstraint&) { ++count; });
     s.boundaryCount[i] = count;
   }
 };
@@ -132,28 +137,46 @@ struct FillBoundary {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     int to = s.boundaryOffset[i];
-    visitBoundary(s, i, [&](std::uint32_t code) { s.boundary[to++] = code; });
+    visitBoundary(s, i, [&](const BoundaryConstraint& c) { storeWhole(s.boundary[to++], c); });
   }
 };
 
+/// What the inertial force of a body depends on.
+struct InertialState {
+  BodyTarget target;
+  Displacement dx;
+  Quat dq;
+  Vec3d position;
+};
+RUBBLE_HD inline InertialState inertialState(const SolverData& s, int body) {
+  return {loadUnchanging(s.target[body]), loadUnchanging(s.dx[body]), loadUnchanging(s.dq[body]),
+          s.position[body]};
+}
 /// Adds the inertial force of a body about the center of its aggregate.
-RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& aggregate, int body,
-                                       Block6& sum) {
-  if (body >= s.bodies) return;
-  const BodyTarget& target = s.target[body];
+RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& aggregate,
+                                       const InertialState& body, Block6& sum) {
   Block6 own;
-  setInertialForce(own, target.mass, {s.dx[body].dp, s.dq[body]}, target.y,
+  setInertialForce(own, body.target.mass, {body.dx.dp, body.dq}, body.target.y,
                    s.step->inverseDt * s.step->inverseDt);
   sum.fl += own.fl;
-  sum.fa += own.fa + cross(shiftOf(s, aggregate, body), own.fl);
+  sum.fa += own.fa + cross(shiftOf(aggregate, Vec3(body.position - aggregate.center), body.dx.dp), own.fl);
+}
+RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& aggregate, int node,
+                                       Block6& sum) {
+  if (node < s.bodies) addInertialForce(s, aggregate, inertialState(s, node), sum);
 }
 
-/// Adds points of a boundary contact `r`, on the side of the body in the aggregate.
+/// Adds points of a boundary contact `r` of bodies a and b.
 template <class L>
-RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregate, const ContactRows& r,
-                                  int side, int lane, Block6T<L>& points) {
-  accumulateContact<L>(s.plan.coneHessian, r, side == 0, s.dx[r.a], s.dx[r.b], lane, points,
-                       shiftOf(s, aggregate, side == 0 ? r.a : r.b));
+RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregate,
+                                  const BoundaryConstraint& c, const ContactRows& r, int a, int b, int lane,
+                                  Block6T<L>& points) {
+  const Displacement &atA = loadUnchanging(s.dx[a]), &atB = loadUnchanging(s.dx[b]);
+  const bool onA = constraintSide(c.code) == 0;
+  Vec3 moved = atB.dp;  // a choice of references would put both into memory
+  if (onA) moved = atA.dp;
+  accumulateContact<L>(s.plan.coneHessian, r, onA, atA, atB, lane, points,
+                       shiftOf(aggregate, c.shift, moved));
 }
 
 /// Adds an attachment to, or a contact with, vertices outside of the aggregate.
@@ -253,12 +276,12 @@ template <class L> struct SumSlice {
     PointSums<L> points;
     bool touches = false;
     for (; k < end; ++k) {
-      const std::uint32_t code = s.boundary[k];
+      const std::uint32_t code = s.boundary[k].code;
       if (constraintType(code) == kContactType) {
         if (!contacts) continue;
         const ContactRows& r = s.contact[constraintIndex(code)];
         points.each([&](int lane, Block6T<L>& sum) {
-          addBoundaryContact<L>(s, aggregate, r, constraintSide(code), lane, sum);
+          addBoundaryContact<L>(s, aggregate, s.boundary[k], r, r.a, r.b, lane, sum);
         });
         if (s.rolls) addRolling(s, code, sum);
         touches = true;
