@@ -35,6 +35,7 @@ __host__ __device__ inline bool hasNarrowSlices(const SolverData& s) {
 __host__ __device__ inline int sliceWidth(const SolverData& s, int level) {
   return level == 0 && hasNarrowSlices(s) ? kSmallWidth : kWarp;
 }
+
 /// Slice sums are reduced to the sum of an aggregate by a tree whose fan-in is the tile width. The last child
 /// to arrive adds up all children of a node, in index order. kSumLevels levels cover kSmallWidth^8 slices.
 inline constexpr int kSumLevels = 8;
@@ -104,7 +105,7 @@ struct SumInertiaByTile {
     Aggregate& aggregate = s.aggregate[slice.aggregate];
     const Vec3d origin = originOf(s, slice);
     Block6 own;
-#pragma unroll 2
+#pragma unroll 2  // the loads of two nodes are on their way at once
     for (int k = slice.begin + tile.lane; k < slice.end; k += kWidth)
       addInertia(s, aggregate, origin, s.aggregateNode[k], own);
     Real sums[kRealsPerLane<kWidth>];

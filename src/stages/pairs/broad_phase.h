@@ -1,8 +1,6 @@
 #pragma once
 /// Broad phase: the search for pairs in the grid. A body searches its own level and all coarser ones. Two
 /// bodies are partners if their swept boxes touch and, with long paths, if they come near on these.
-#include <limits>
-
 #include "stages/pairs/filter.h"
 #include "stages/pairs/lasting_search.h"
 #include "stages/pairs/long_paths.h"
@@ -305,31 +303,16 @@ template <bool kParts> struct WritePairs {
       for (unsigned left = s.neighborSearch[i].partners; left != 0; left &= left - 1)
         visit(s.pairSlot[i * kPairSlots + lowestBit(left)]);
     };
-    // one pair per partner: its rank is its place
-    constexpr int kFew = 8;
-    if (!kParts && count <= kFew) {
-      int partner[kFew];
-      unsigned left = s.neighborSearch[i].partners;
-      RUBBLE_UNROLL
-      for (int k = 0; k < kFew; ++k, left &= left - 1)
-        partner[k] = left != 0 ? s.pairSlot[i * kPairSlots + lowestBit(left)]
-                               : std::numeric_limits<int>::max();
-      RUBBLE_UNROLL
-      for (int k = 0; k < kFew; ++k) {
-        int place = begin;
-        RUBBLE_UNROLL
-        for (int j = 0; j < kFew; ++j) place += partner[j] < partner[k];
-        if (k < count) s.pair[place] = pairOf(s, i, partner[k]);
+    if constexpr (!kParts) {
+      if (count <= kPairSlots) {
+        // one pair per partner: its rank is its place
+        forEachPartner([&](int partner) {
+          int place = begin;
+          forEachPartner([&](int other) { place += other < partner; });
+          s.pair[place] = pairOf(s, i, partner);
+        });
+        return;
       }
-      return;
-    }
-    if (!kParts && count <= kPairSlots) {
-      forEachPartner([&](int partner) {
-        int place = begin;
-        forEachPartner([&](int other) { place += other < partner; });
-        s.pair[place] = pairOf(s, i, partner);
-      });
-      return;
     }
     int n = 0;
     const auto insertPair = [&](const Pair& pair) {
