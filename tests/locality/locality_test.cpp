@@ -20,7 +20,7 @@ constexpr int kFewPebbles = 200, kManyPebbles = 3000;
 struct Course {
   int steps, leaves;
 };
-constexpr Course kShort{60, 40}, kLong{200, 120};
+constexpr Course kShort{45, 30}, kLong{200, 120};
 
 /// A scene with its parameters, before it is a world.
 struct Sample {

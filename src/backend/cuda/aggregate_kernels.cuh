@@ -99,16 +99,17 @@ struct SumTree {
 struct SumInertiaByTile {
   static constexpr const char* kStage = SumInertia::kStage;
   static constexpr int kWidth = kSmallWidth;
+  static constexpr bool kOfSlices = true;
   SumTree tree;
-  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
+  template <int kTile> __device__ void operator()(const SolverData& s, int i, const Tile<kTile>& tile) const {
     const Slice& slice = s.slice[i];
     Aggregate& aggregate = s.aggregate[slice.aggregate];
     const Vec3d origin = originOf(s, slice);
     Block6 own;
 #pragma unroll 2  // the loads of two nodes are on their way at once
-    for (int k = slice.begin + tile.lane; k < slice.end; k += kWidth)
+    for (int k = slice.begin + tile.lane; k < slice.end; k += kTile)
       addInertia(s, aggregate, origin, s.aggregateNode[k], own);
-    Real sums[kRealsPerLane<kWidth>];
+    Real sums[kRealsPerLane<kTile>];
     sumBlocks(tile, own, sums);
     if (!tree.carryUp(s, aggregate, i, tile, sums)) return;
     const Block6 all = gatherSums(tile, sums);
@@ -119,11 +120,12 @@ struct SumInertiaByTile {
 struct CountBoundaryByTile {
   static constexpr const char* kStage = CountBoundary::kStage;
   static constexpr int kWidth = kSmallWidth;
-  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
+  static constexpr bool kOfSlices = true;
+  template <int kTile> __device__ void operator()(const SolverData& s, int i, const Tile<kTile>& tile) const {
     const Slice& slice = s.slice[i];
     const Aggregate& aggregate = s.aggregate[slice.aggregate];
     int count = 0;
-    for (int k = slice.begin + tile.lane; k < slice.end; k += kWidth)
+    for (int k = slice.begin + tile.lane; k < slice.end; k += kTile)
       visitBoundaryOf(s, aggregate, s.aggregateNode[k], [&](const BoundaryConstraint&) { ++count; });
     count = tile.sum(count);
     if (tile.lane == 0) s.boundaryCount[i] = count;
@@ -159,13 +161,14 @@ __device__ inline bool isNarrow(const SliceRanges& slice, const Aggregate& aggre
 struct FillBoundaryByTile {
   static constexpr const char* kStage = FillBoundary::kStage;
   static constexpr int kWidth = kSmallWidth;
+  static constexpr bool kOfSlices = true;
   LongList longSlices;
-  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
+  template <int kTile> __device__ void operator()(const SolverData& s, int i, const Tile<kTile>& tile) const {
     const Slice& slice = s.slice[i];
     const Aggregate& aggregate = s.aggregate[slice.aggregate];
     if (tile.lane == 0 && isLongSlice(s, rangesOf(s, i), aggregate.level)) longSlices.add(i);
     int first = s.boundaryOffset[i];
-    for (int base = slice.begin; base < slice.end; base += kWidth) {
+    for (int base = slice.begin; base < slice.end; base += kTile) {
       const int k = base + tile.lane;
       const bool on = k < slice.end;
       int count = 0;

@@ -52,12 +52,21 @@ struct FinishPoint {
 };
 template <> struct OnDevice<FinishContacts<Real>> { using Type = FinishPoint; };
 
+/// A kernel that stores manifolds (kernels.cuh, Counts).
+struct CountsContacts {
+  using Tally = ManifoldCount;
+  __device__ static void tell(const SolverData& s, const Tally& own) {
+    const Tally all{sumOfWarp(own.contacts), sumOfWarp(own.recycled)};
+    if (threadIdx.x % kWarp == 0) addToCounters(s, all);
+  }
+};
+
 /// One lane per point. Most manifolds are recycled, and recycling is a copy.
-struct RecycleManifoldByLanes {
+struct RecycleManifoldByLanes : CountsContacts {
   static constexpr const char* kStage = RecycleManifolds<Real>::kStage;
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 5;
-  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile, Tally& tally) const {
     const int pair = s.activePair[i];
     // asked for before it is known whether it is needed: what the pair has, then its manifold and its bodies
     const int before = s.manifoldBefore[pair];
@@ -106,9 +115,7 @@ struct RecycleManifoldByLanes {
     if (k != 0) return;
     const bool rows = bits != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
     s.hasRows[i] = rows;
-    if (!rows) return;
-    atomicCountTogether(&s.counters->contacts, __popc(bits));
-    atomicCountTogether(&s.counters->recycled, 1);
+    if (rows) tally += {__popc(bits), 1};
   }
 
  private:
@@ -125,6 +132,15 @@ struct RecycleManifoldByLanes {
   }
 };
 template <> struct OnDevice<RecycleManifolds<Real>> { using Type = RecycleManifoldByLanes; };
+
+struct TestPairsByThread : CountsContacts {
+  static constexpr const char* kStage = TestPairs::kStage;
+  static constexpr int kBlocks = 4;
+  __device__ void operator()(const SolverData& s, int t, Tally& tally) const {
+    tally += TestPairs::take(s, t);
+  }
+};
+template <> struct OnDevice<TestPairs> { using Type = TestPairsByThread; };
 
 struct BuildRowsOfPoint {
   static constexpr const char* kStage = BuildContactRows<Real>::kStage;

@@ -122,6 +122,8 @@ class KernelLauncher {
       launchNext(runStaged<Kernel>,
                  {std::max(1, groupsOf(most / elementsPerJoint<Kernel>())), kStagedThreads<Kernel>}, name,
                  view(), kernel, n, gate);
+    else if constexpr (OfSlices<Kernel>)
+      launchNext(runOfSlices<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
     else if constexpr (Limited<Kernel>)
       launchNext(runLimited<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
     else

@@ -86,14 +86,32 @@ __device__ inline void lack(Control* control, int operation, int lacking, int ne
   control->stop = operation + 1;
 }
 
+/// A kernel whose elements count something: kernel(s, i, tile, tally), where each thread has a Tally of its
+/// own. They are added up by warp at the end: an atomic of each element, all on one address, would keep a
+/// part of the second-level cache from everything else.
+template <class Kernel>
+concept Counts = requires {
+  typename Kernel::Tally;
+};
+
 /// kernel(s, elementAt(k)) for all k < count, as a grid-stride loop. The lanes of a tile stay together.
 template <class Kernel, class ElementAt>
 __device__ void runStrided(const SolverData& s, const Kernel& kernel, int count, ElementAt&& elementAt) {
   constexpr unsigned kWidth = widthOf<Kernel>();
   static_assert(kThreads % kWidth == 0);
   const int stride = static_cast<int>(gridDim.x * blockDim.x / kWidth);
-  for (int k = static_cast<int>((blockIdx.x * blockDim.x + threadIdx.x) / kWidth); k < count; k += stride)
-    apply(kernel, s, elementAt(k));
+  const auto forEach = [&](auto&& act) {
+    for (int k = static_cast<int>((blockIdx.x * blockDim.x + threadIdx.x) / kWidth); k < count; k += stride)
+      act(elementAt(k));
+  };
+  if constexpr (Counts<Kernel>) {
+    typename Kernel::Tally tally;
+    forEach([&](int i) { apply(kernel, s, i, tally); });
+    __syncwarp();
+    kernel.tell(s, tally);
+  } else {
+    forEach([&](int i) { apply(kernel, s, i); });
+  }
 }
 
 /// kernel(s, i) for n elements.
@@ -112,6 +130,31 @@ template <Limited Kernel>
 __global__ void __launch_bounds__(kThreads, Kernel::kBlocks)
     runLimited(const __grid_constant__ SolverData s, const Kernel kernel, Count n, Gate gate) {
   gate.enter([&] { runStrided(s, kernel, n.get(), [&](int k) { return elementOf<Kernel>(n, k); }); });
+}
+
+/// A kernel whose elements are slices of aggregates: kWidth lanes for those of the finest level, which are
+/// small, and a warp for others.
+template <class Kernel>
+concept OfSlices = requires {
+  Kernel::kOfSlices;
+};
+template <OfSlices Kernel>
+__global__ void __launch_bounds__(kThreads)
+    runOfSlices(const __grid_constant__ SolverData s, const Kernel kernel, Count n, Gate gate) {
+  gate.enter([&] {
+    const int fine = s.levelSlice[1], all = n.get(), threads = static_cast<int>(gridDim.x * blockDim.x),
+              thread = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+    const auto each = [&]<int kWidth>(int begin, int end, int thread) {
+      for (int k = begin + thread / kWidth; k < end; k += threads / kWidth) {
+        const int i = elementOf<Kernel>(n, k);
+        if (!n.list || (i < fine) == (kWidth < kWarp)) kernel(s, i, Tile<kWidth>::ofThread());
+      }
+    };
+    each.template operator()<kWarp>(n.list ? 0 : fine, all, thread);
+    // from the last warp on, which had the fewest of the others
+    const int inWarp = thread % kWarp, fromLast = threads - kWarp - (thread - inWarp) + inWarp;
+    each.template operator()<Kernel::kWidth>(0, n.list ? all : fine, fromLast);
+  });
 }
 
 /// kernel(s, i) for offsets[range] <= i < offsets[range + 1].

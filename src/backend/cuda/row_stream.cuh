@@ -68,7 +68,7 @@ template <int kWidth, int kQuads> class RowStream {
         stride_(stride) {
     body_[0] = bodyAt(first), body_[1] = bodyAt(first + stride), body_[2] = bodyAt(first + 2 * stride);
     range_[0] = rangeOf(body_[0]), range_[1] = rangeOf(body_[1]);
-    present_ = entryAt(range_[0], 0);
+    present_ = entryAt(range_[0], 0), ahead_ = entryAt(range_[0], 1);
   }
   /// Reads nothing that sweeps write.
   __device__ void start() { begin(present_, body_[0], 0); }
@@ -76,7 +76,7 @@ template <int kWidth, int kQuads> class RowStream {
   /// Adds the contacts of the next body (-1: none). Returns whether it has incidences other than contacts.
   __device__ bool gather(Block6& sum) {
     // used in the next batch
-    const Incidence following = entryAt(range_[1], 0);
+    const Incidence following = entryAt(range_[1], 0), secondOfFollowing = entryAt(range_[1], 1);
     const Range afterNext = rangeOf(body_[2]);
     const int afterThat = bodyAt(next_);
     next_ += stride_;
@@ -87,19 +87,18 @@ template <int kWidth, int kQuads> class RowStream {
     if (!isContact(present_)) {
       begin(following, body_[1], parity_ ^ 1);
     } else {
-      Incidence ahead = entryAt(range_[0], 1);
       for (bool more = true; more; k += kStride) {
-        more = isContact(ahead);
+        more = isContact(ahead_);
         stage_ ^= 1;
         if (more) {
-          askForRows(ahead);
+          askForRows(ahead_);
           __pipeline_commit();
         } else {
           begin(following, body_[1], parity_ ^ 1);
         }
         const Incidence incidence = present_;
-        present_ = ahead;
-        if (more) ahead = k + 2 * kStride < end ? s_.incidence[k + 2 * kStride] : noEntry();
+        present_ = ahead_;
+        if (more) ahead_ = k + 2 * kStride < end ? s_.incidence[k + 2 * kStride] : noEntry();
         __pipeline_wait_prior(1);
         __syncwarp(quad_.mask);
         accumulate(incidence, own, staging_.rows[stage_ ^ 1][quadOfBlock_], sum);
@@ -109,7 +108,7 @@ template <int kWidth, int kQuads> class RowStream {
     const bool others = k < end;
     body_[0] = body_[1], body_[1] = body_[2], body_[2] = afterThat;
     range_[0] = range_[1], range_[1] = afterNext;
-    present_ = following;
+    present_ = following, ahead_ = secondOfFollowing;
     parity_ ^= 1;
     return others;
   }
@@ -171,7 +170,7 @@ template <int kWidth, int kQuads> class RowStream {
   const int stride_;
   int body_[3];
   Range range_[2];
-  Incidence present_;
+  Incidence present_, ahead_;
   int stage_ = 0;   ///< stage of the next constraint
   int parity_ = 0;  ///< parity of the batch
 };

@@ -138,13 +138,10 @@ template <int kWidth> __device__ Block6 sumOf(const Tile<kWidth>& tile, const Bl
   return sum;
 }
 
-/// *p += a with warp aggregation: one atomic for the converged threads.
-__device__ inline void atomicCountTogether(int* p, int a) {
-  const unsigned here = __activemask();
-  const int sum = __reduce_add_sync(here, a);
-  if (static_cast<int>(threadIdx.x % kWarp) == __ffs(static_cast<int>(here)) - 1) atomicAdd(p, sum);
-}
-/// The same with a = 1. Returns a unique number per thread, from the old *p on.
+/// Sum over a warp, all of whose lanes are here.
+__device__ inline int sumOfWarp(int own) { return __reduce_add_sync(~0u, own); }
+/// *p += 1 with warp aggregation: one atomic for the converged threads. Returns a unique number per thread,
+/// from the old *p on.
 __device__ inline int claimTogether(int* p) {
   const unsigned here = __activemask();
   const int lane = static_cast<int>(threadIdx.x % kWarp), first = __ffs(static_cast<int>(here)) - 1;
@@ -202,11 +199,12 @@ template <class Kernel> constexpr int widthOf() {
 }
 
 /// kernel(s, i, lane) for the element of this thread's tile.
-template <class Kernel> __device__ void apply(const Kernel& kernel, const SolverData& s, int i) {
+template <class Kernel, class... Tally>
+__device__ void apply(const Kernel& kernel, const SolverData& s, int i, Tally&... tally) {
   if constexpr (Tiled<Kernel>)
-    kernel(s, i, Tile<Kernel::kWidth>::ofThread());
+    kernel(s, i, Tile<Kernel::kWidth>::ofThread(), tally...);
   else
-    kernel(s, i);
+    kernel(s, i, tally...);
 }
 
 }  // namespace rubble::RUBBLE_CORE

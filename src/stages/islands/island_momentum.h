@@ -84,8 +84,9 @@ struct FindMomentumIslands {
     const int root = findRoot(islandForest(s), i);
     s.rowIsland[i] = root;
     if (root == i || !isDynamic(s, i)) return;
-    const int own = s.islandBonds[i];
-    if (own != 0) atomicSet(&s.islandBonds[root], own);
+    // most bodies find the bits of their own there already
+    if (const int own = s.islandBonds[i]; (own & ~atomicLoad(&s.islandBonds[root])) != 0)
+      atomicSet(&s.islandBonds[root], own);
     if (const int heavy = s.islandMassLength[i]; heavy > atomicLoad(&s.islandMassLength[root]))
       atomicRaise(&s.islandMassLength[root], heavy);
   }
