@@ -87,8 +87,8 @@ __device__ inline void lack(Control* control, int operation, int lacking, int ne
 }
 
 /// A kernel whose elements count something: kernel(s, i, tile, tally), where each thread has a Tally of its
-/// own. They are added up by warp at the end: an atomic of each element, all on one address, would keep a
-/// part of the second-level cache from everything else.
+/// own, and tell(s, tally) at the end, where whole warps add them up. An atomic of each element, all on one
+/// address, would keep a part of the second-level cache from everything else.
 template <class Kernel>
 concept Counts = requires {
   typename Kernel::Tally;
