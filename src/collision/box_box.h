@@ -28,6 +28,7 @@ inline constexpr int kMaxVertices = 8;
 RUBBLE_HD inline int clip(ClipVertex (&in)[kMaxVertices], int count, ClipVertex (&out)[kMaxVertices],
                           int axis, Real sign, Real limit, int plane) {
   int n = 0;
+  RUBBLE_ROLLED
   for (int i = 0; i < count; ++i) {
     const ClipVertex &p = in[i], &q = in[i + 1 == count ? 0 : i + 1];
     const Real dp = sign * (axis == 0 ? p.u : p.v) - limit, dq = sign * (axis == 0 ? q.u : q.v) - limit;
@@ -51,20 +52,22 @@ RUBBLE_HD inline int clip(ClipVertex (&in)[kMaxVertices], int count, ClipVertex 
 RUBBLE_HD inline void reduceToFour(ClipVertex (&p)[kMaxVertices], int& count, Real hu, Real hv, Real length) {
   if (count <= kLanes) return;
   int chosen[kLanes];
+  unsigned used = 0;
+  RUBBLE_ROLLED
   for (int k = 0; k < kLanes; ++k) {
     const Real su = (k & 1) ? hv : -hv, sv = (k & 2) ? hu : -hu;
     int best = -1;
     Real bestScore = 0;
+    RUBBLE_ROLLED
     for (int i = 0; i < count; ++i) {
-      bool used = false;
-      for (int m = 0; m < k; ++m) used |= chosen[m] == i;
       const Real score = su * p[i].u + sv * p[i].v;
-      if (!used && (best < 0 || score > bestScore)) best = i, bestScore = score;
+      if ((used >> i & 1) == 0 && (best < 0 || score > bestScore)) best = i, bestScore = score;
     }
-    chosen[k] = best;
+    chosen[k] = best, used |= 1u << best;
   }
   int deepest = 0;
   Real chosenDepth = p[chosen[0]].w;
+  RUBBLE_ROLLED
   for (int i = 1; i < count; ++i) deepest = p[i].w < p[deepest].w ? i : deepest;
   for (int k = 1; k < kLanes; ++k) chosenDepth = min(chosenDepth, p[chosen[k]].w);
   if (p[deepest].w < chosenDepth - kDeeperPoint * length) {
@@ -193,10 +196,13 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
     p[k] = {dot(x, axisX[iu]), dot(x, axisX[iv]), dot(x, normal) - halfX[axis], (k + 3) % 4, k};
   }
   int count = 4;
-  count = clip(p, count, q, 0, Real(1), halfX[iu], 4);
-  count = clip(q, count, p, 0, Real(-1), halfX[iu], 5);
-  count = clip(p, count, q, 1, Real(1), halfX[iv], 6);
-  count = clip(q, count, p, 1, Real(-1), halfX[iv], 7);
+  // there and back for each axis
+  RUBBLE_ROLLED
+  for (int k = 0; k < 2; ++k) {
+    const Real limit = halfX[k == 0 ? iu : iv];
+    count = clip(p, count, q, k, Real(1), limit, 4 + 2 * k);
+    count = clip(q, count, p, k, Real(-1), limit, 5 + 2 * k);
+  }
   int kept = 0;
   for (int k = 0; k < count; ++k)
     if (p[k].w <= margin) p[kept++] = p[k];

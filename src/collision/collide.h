@@ -34,8 +34,11 @@ RUBBLE_HD inline RawManifold collideOrdered(const ShapeData& sa, const Quat& qa,
 /// of the smaller shape.
 RUBBLE_HD inline RawManifold collide(const ShapeData& sa, const Quat& qa, const ShapeData& sb, const Quat& qb,
                                      const Vec3& t, Real margin, Real length) {
-  if (sa.kind > sb.kind) return flipped(pairs::collideOrdered(sb, qb, sa, qa, -t, margin, length), t);
-  return pairs::collideOrdered(sa, qa, sb, qb, t, margin, length);
+  // one call, so that its code exists once
+  const bool swaps = sa.kind > sb.kind;
+  const RawManifold m = pairs::collideOrdered(swaps ? sb : sa, swaps ? qb : qa, swaps ? sa : sb,
+                                              swaps ? qa : qb, swaps ? -t : t, margin, length);
+  return swaps ? flipped(m, t) : m;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -44,6 +44,13 @@
 #define RUBBLE_UNROLL
 #endif
 
+/// Keeps the code of a loop once on a device, where long code costs more time than what it computes.
+#if defined(__CUDACC__)
+#define RUBBLE_ROLLED _Pragma("unroll 1")
+#else
+#define RUBBLE_ROLLED
+#endif
+
 namespace rubble::RUBBLE_CORE {
 
 /// Scalar type of the solver.

@@ -79,6 +79,8 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::subcellNext, "subcellNext", "", Per::PathCell, Lifetime::Unordered);
   is(&SolverData::pairSlot, "pairSlot", "", Per::BodySlot, Lifetime::Unordered);
   is(&SolverData::neighborSearch, "neighborSearch", "m", Per::Body, Lifetime::Unordered);
+  is(&SolverData::searcher, "searcher", "", Per::Body, Lifetime::Unordered);
+  is(&SolverData::crowdedBody, "crowdedBody", "", Per::Body, Lifetime::Unordered);
   is(&SolverData::pairCount, "pairCount", "", Per::Body, Lifetime::Work);
   is(&SolverData::impactSpeedBound, "impactSpeedBound", "m/s", Per::Body, Lifetime::Work);
   is(&SolverData::target, "target", "", Per::Body, Lifetime::Work);

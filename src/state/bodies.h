@@ -90,10 +90,13 @@ struct ExcludedPair {
 
 /// World AABB swept over the step, with its cell in the grid of its level.
 struct alignas(4 * sizeof(Real)) Bounds {
-  Vec3 center, half;  ///< [m]
-  Vec3 path;          ///< predicted displacement in the step [m]
-  int level;          ///< -1: not in the grid (planes, removed bodies)
-  int x, y, z;        ///< cell
+  // what is needed of another body comes first, in 32 bytes
+  Vec3 center;  ///< [m]
+  int level;    ///< -1: not in the grid (planes, removed bodies)
+  Vec3 half;    ///< half extents [m]
+  int x;        ///< cell
+  Vec3 path;    ///< predicted displacement in the step [m]
+  int y, z;
 };
 
 /// What the last search for the neighbors of a body depended on, and what it found
@@ -105,6 +108,7 @@ struct alignas(4 * sizeof(Real)) NeighborSearch {
   int bodies;              ///< SolverData::bodies
   int found;               ///< neighbors that it owns; more than kPairSlots: they are searched in each step
   std::uint32_t partners;  ///< bit k: slot k is a partner in this step
+  int isNew;               ///< 1: the search began in this step
 };
 
 /// Bounds of the long paths in a bucket of the grid (stages/pairs/long_paths.h); all 0: there are none.
@@ -313,8 +317,10 @@ inline constexpr int kListedBodies = 8;
 struct Counters {
   int pairs, activePairs, manifolds, incidences, colors;
   int pathCells;  ///< buckets that store long paths: all of the grid, or none
-  int searched;   ///< 1: neighbors are searched in this step
-  int restless;   ///< 1: a body moves so far that a search in this step would not last
+  int searchers;  ///< bodies whose last search for neighbors does not hold; not all if there are many
+  int allSearch;  ///< 1: all bodies search in this step, however many searchers there are
+  int searched;   ///< bodies that search: the searchers, or all
+  int crowded;    ///< bodies with more neighbors than slots
   int contacts, recycled, newPairs, tested;
   int aggregates, slices, boundary;
   int clashing, clashes, rounds;  ///< nodes that need a new color, color conflicts left, and coloring rounds

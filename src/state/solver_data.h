@@ -112,7 +112,9 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<int> subcellNext = nullptr;                ///< 1 + the next one after a body; 0: none
   Array<int> pairSlot = nullptr;                   ///< [bodies][kPairSlots] neighbors of the last search
   Array<NeighborSearch> neighborSearch = nullptr;  ///< the last search of each body
-  Array<int> pairCount = nullptr;                  ///< pairs that the body owns
+  Array<int> searcher = nullptr;                   ///< bodies that search, in no fixed order, unless all do
+  Array<int> crowdedBody = nullptr;       ///< those with more neighbors than slots, in no fixed order
+  Array<int> pairCount = nullptr;         ///< pairs that the body owns
   Array<int> impactSpeedBound = nullptr;  ///< bound of the speed that an impact may give the body in this
                                           ///< step, as the bits of a float [m/s]
   Array<BodyTarget> target = nullptr;     ///< inertial target

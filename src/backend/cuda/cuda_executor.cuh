@@ -30,7 +30,7 @@ class CudaExecutor : private ScanLauncher {
       : ScanLauncher(tables, stream, processors) {
     count(&Counters::newPairs, Per::Pair), count(&Counters::tested, Per::ActivePair);
     bound(&Counters::swept, Per::Pair), bound(&Counters::fastBodies, Per::Body);
-    bound(&Counters::searchedBodies, Per::Body);
+    bound(&Counters::searchedBodies, Per::Body), bound(&Counters::searched, Per::Body);
   }
   CudaExecutor(const CudaExecutor&) = delete;
   CudaExecutor& operator=(const CudaExecutor&) = delete;
@@ -220,19 +220,17 @@ class CudaExecutor : private ScanLauncher {
                Gate{control_});
   }
 
-  /// Several lanes share the search of one body where bodies do not fill the device.
-  void run(const FindNeighbors& kernel, int n) {
-    if (kStrict || peers_ || view().worlds == 1)
-      return withLanes<1, 2, 8>(lanesFor<1, 2, 8>(n, residentThreads()), [&]<int kLanes>() {
-        if constexpr (kLanes == 1)
-          run<FindNeighbors>(kernel, n);
-        else
-          run(SearchByTile<FindNeighbors, kLanes>{kernel}, n);
-      });
-    if (!begins() || n <= 0) return;
+  void run(const FindNeighbors&, int Counters::*) {
+    constexpr int kSearchLanes = 8;  // for each body, if all search
+    if (!begins()) return;
     enterStage(FindNeighbors::kStage);
-    launchNext(findNeighborsOfWorlds, {blocksFor(n), kThreads}, FindNeighbors::kStage, view(), n,
-               Gate{control_});
+    const int n = view().bodies;
+    if (view().worlds > 1)
+      launchNext(findNeighborsOfWorlds, {blocksFor(n), kThreads}, FindNeighbors::kStage, view(), n,
+                 Gate{control_});
+    else
+      launchNext(findNeighbors, {blocksFor(n, kSearchLanes), kThreads}, FindNeighbors::kStage, view(),
+                 Gate{control_});
   }
   void run(const FindPathNeighbors& kernel, int Counters::*n) {
     withLanes<1, 2, 8>(lanesFor<1, 2, 8>(view().bodies, residentThreads()),
@@ -245,20 +243,23 @@ class CudaExecutor : private ScanLauncher {
     runRarely(FindUnpairedImpactsByWarp{kernel}, n);
   }
   /// Where bodies are few, lanes look at their neighbors side by side.
-  void run(const FindPairs<false>& kernel, int n) {
-    withLanes<1, 8>(lanesFor<1, 8>(n, residentThreads()),
-                    [&]<int kLanes>() { run(FindPairsByTile<kLanes>{kernel}, n); });
+  void run(const FindPairs<false>&, int n) {
+    if (!begins() || n <= 0) return;
+    enterStage(FindPairs<false>::kStage);
+    withLanes<1, 8>(lanesFor<1, 8>(n, residentThreads()), [&]<int kLanes>() {
+      launchNext(findPairs<kLanes>, {blocksFor(n, kLanes), kThreads}, FindPairs<false>::kStage, view(), n,
+                 Gate{control_});
+    });
   }
 
   /// Stages in which a few elements have very many parts.
-  void run(const WritePairs<false>&, int n) { writePairs(n, {}); }
-  void run(const AtHome<WritePairs<false>>& kernel, int n) { writePairs(n, kernel.home); }
-  void writePairs(int n, const PeerHome& home) {
-    // bodies of a warp with many partners take turns
-    withLanes<1, 8>(lanesFor<1, 8>(n, residentThreads()), [&]<int kLanes>() {
-      constexpr int kBodies = kWarp / kLanes;
-      run(WritePairsByWarp<kBodies>{home}, (n + kBodies - 1) / kBodies);
-    });
+  void run(const WritePairs<false>&, int n) { launchWritePairs(n, {}); }
+  void run(const AtHome<WritePairs<false>>& kernel, int n) { launchWritePairs(n, kernel.home); }
+  void launchWritePairs(int n, const PeerHome& home) {
+    if (!begins() || n <= 0) return;
+    enterStage(WritePairs<false>::kStage);
+    launchNext(writePairs, {blocksFor(n), kThreads}, WritePairs<false>::kStage, view(), n, home,
+               Gate{control_});
   }
   void run(const FindClashes&, int n) { runByWarp(FindClashesByWarp{}, n); }
   void run(const SortIncidences&, int n) {

@@ -1,7 +1,7 @@
 #pragma once
 /// Bounds: each warp reduces the values of a grid level before it writes them, which avoids contention on the
-/// few counters. Pairs of a body in order: one lane per body, and one warp per body with more partners than
-/// slots, whose cells are searched again.
+/// few counters. Pairs of a body in order: one lane per body, and one warp per crowded body, whose cells are
+/// searched again.
 #include "backend/cuda/long_list_kernels.cuh"
 #include "backend/peers/peer_data.h"
 
@@ -36,6 +36,17 @@ template <class Search, int kTile> struct SearchByTile {
     search(s, i, tile.lane, kWidth);
   }
 };
+/// FindNeighbors with as many lanes for a body as the number of searches leaves room for: the fewer, the
+/// longer one would take alone.
+static __global__ void __launch_bounds__(kThreads)
+    findNeighbors(const __grid_constant__ SolverData s, Gate gate) {
+  gate.enter([&] {
+    const int n = s.counters->searched, threads = static_cast<int>(gridDim.x * blockDim.x),
+              thread = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
+              lanes = lanesFor<1, 2, 8, kWarp>(n, threads);
+    for (int k = thread / lanes; k < n; k += threads / lanes) FindNeighbors{}(s, k, thread % lanes, lanes);
+  });
+}
 /// FindNeighbors where there are many worlds. A block copies the boxes of the worlds of its bodies to shared
 /// memory, where a look does not wait for the cache (5 % of a step of `loose`).
 class NeighborsOfWorlds {
@@ -44,7 +55,6 @@ class NeighborsOfWorlds {
   __device__ static void find(const SolverData& s, int first, int n) {
     __shared__ Box boxes[kMostBoxes];
     const int thread = static_cast<int>(threadIdx.x), i = first + thread;
-    if (i < n) noteSearch(s, i);
     // rows behind those of the last world belong to none
     const int last = min(first + kThreads, s.bodiesEnd(s.worlds - 1)) - 1;
     if (first > last) return;
@@ -52,18 +62,19 @@ class NeighborsOfWorlds {
               end = isScanned(s, s.worldOf(last)) ? s.bodiesEnd(s.worldOf(last)) : last + 1;
     __syncthreads();
     for (int k = begin + thread; k < end; k += kThreads)
-      boxes[k - begin] = {s.bounds[k].center, s.bounds[k].level, s.bounds[k].half};
+      boxes[k - begin] = {s.neighborSearch[k].center, s.bounds[k].level, s.neighborSearch[k].half};
     __syncthreads();
     if (i > last || !isInGrid(s, i)) return;
     const int world = s.worldOf(i);
-    if (!isScanned(s, world)) return FindNeighbors::find(s, i);
-    const Bounds b = s.bounds[i];
+    if (!isScanned(s, world)) return FindNeighbors{}(s, i);
+    const Bounds& b = s.bounds[i];
     if (isLongLevel(b.level)) return;
+    const NeighborSearch own = s.neighborSearch[i];
     for (int k = s.bodiesBegin(world); k < s.bodiesEnd(world); ++k)
       if (const Box box = boxes[k - begin];
-          box.level >= 0 && isAhead(i, b, k, box.level) && boundsTouch(box, searchBox(s, b, box.level)))
+          box.level >= 0 && isAhead(i, b, k, box.level) && boundsTouch(box, own))
         storeNeighbor(s, i, k, false);
-    searchPlanes(s, world, searchBox(s, b, b.level), [&](int plane) { storeNeighbor(s, i, plane, false); });
+    searchPlanes(s, world, own, [&](int plane) { storeNeighbor(s, i, plane, false); });
   }
 
  private:
@@ -143,41 +154,13 @@ template <> struct OnGrid<FindUnpairedImpacts> {
 template <> struct OnGrid<FindImpacts> : ClaimedOnGrid<FindImpacts> {};
 template <> struct OnGrid<FindGeneralImpacts> : ClaimedOnGrid<FindGeneralImpacts> {};
 
-/// One lane per neighbor, for worlds without shapes of several parts.
-template <int kTile> struct FindPairsByTile {
-  static constexpr const char* kStage = FindPairs<false>::kStage;
-  static constexpr int kWidth = kTile;
-  FindPairs<false> search;
-  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
-    NeighborSearch& search = s.neighborSearch[i];
-    const int near = s.bounds[i].level >= 0 ? neighborsOf(s, i) : 0;
-    int* const slots = s.pairSlot + i * kPairSlots;
-    const auto finish = [&](std::uint32_t partners, int count) {
-      __syncwarp(tile.mask);
-      if (tile.lane == 0) search.found = near, search.partners = partners, s.pairCount[i] = count;
-    };
-    if (near > kPairSlots) {
-      __shared__ int counts[kThreads / kWidth];
-      int& partners = counts[threadIdx.x / kWidth];
-      if (tile.lane == 0) partners = 0;
-      __syncwarp(tile.mask);
-      searchPartners(
-          s, i,
-          [&](int other) {
-            if (const int k = atomicAdd(&partners, 1); k < kPairSlots) slots[k] = other;
-          },
-          tile.lane, kWidth);
-      __syncwarp(tile.mask);
-      return finish((1u << min(partners, kPairSlots)) - 1, partners);
-    }
-    std::uint32_t partners = 0;
-    for (int base = 0; base < near; base += kWidth) {
-      const int k = base + tile.lane;
-      partners |= tile.ballot(k < near && FindPairs<false>::isPartner(s, i, slots[k])) << base;
-    }
-    finish(partners, __popc(partners));
-  }
-};
+/// act(i, tile) with a warp for each crowded body.
+template <class Act> __device__ void forEachCrowded(const SolverData& s, Act&& act) {
+  const int warps = static_cast<int>(gridDim.x * blockDim.x) / kWarp;
+  for (int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x) / kWarp; k < s.counters->crowded;
+       k += warps)
+    act(s.crowdedBody[k], Tile<kWarp>::ofThread());
+}
 
 /// A counter per warp of a block, incremented by its lanes.
 class WarpCounter {
@@ -212,26 +195,75 @@ template <class Kernel> struct AtHome {
   }
 };
 
-/// WritePairs for kBodies bodies, for worlds without shapes of several parts.
-template <int kBodies> struct WritePairsByWarp {
-  static constexpr const char* kStage = WritePairs<false>::kStage;
-  static constexpr int kWidth = kWarp;
-  PeerHome home{};
-  __device__ void operator()(const SolverData& s, int warp, const Tile<kWidth>& tile) const {
-    const int i = warp * kBodies + tile.lane;
-    const bool on = tile.lane < kBodies && i < s.bodies && home.has(i),
-               many = on && s.pairOffset[i + 1] - s.pairOffset[i] > kPairSlots;
-    if (on && !many) WritePairs<false>{}(s, i);
-    forEachOfWarp(tile, many, i, [&](int body) {
-      Pair* const first = s.pair + s.pairOffset[body];
+/// FindPairs for worlds without shapes of several parts: one lane per neighbor, or few lanes in turns.
+class PairSearch {
+ public:
+  /// Of a body whose neighbors are all in slots.
+  template <int kWidth> __device__ static void findFew(const SolverData& s, int i, const Tile<kWidth>& tile) {
+    const int near = s.bounds[i].level >= 0 ? neighborsOf(s, i) : 0;
+    if (near > kPairSlots) return;
+    const int* const slots = s.pairSlot + i * kPairSlots;
+    std::uint32_t partners = 0;
+    for (int base = 0; base < near; base += kWidth) {
+      const int k = base + tile.lane;
+      partners |= tile.ballot(k < near && FindPairs<false>::isPartner(s, i, slots[k])) << base;
+    }
+    if (tile.lane == 0) finish(s, i, near, partners, __popc(partners));
+  }
+  /// Of a crowded body, whose cells are searched again.
+  __device__ static void findMany(const SolverData& s, int i, const Tile<kWarp>& tile) {
+    const int near = s.bounds[i].level >= 0 ? neighborsOf(s, i) : 0;
+    if (near <= kPairSlots) return;
+    int* const slots = s.pairSlot + i * kPairSlots;
+    const WarpCounter partners(tile);
+    searchPartners(
+        s, i,
+        [&](int other) {
+          if (const int k = partners.next(); k < kPairSlots) slots[k] = other;
+        },
+        tile.lane, kWarp);
+    const int count = partners.total();
+    if (tile.lane == 0)
+      finish(s, i, near, static_cast<std::uint32_t>((1ull << min(count, kPairSlots)) - 1), count);
+  }
+
+ private:
+  __device__ static void finish(const SolverData& s, int i, int near, std::uint32_t partners, int count) {
+    s.neighborSearch[i].found = near, s.neighborSearch[i].partners = partners;
+    s.pairCount[i] = count;
+  }
+};
+template <int kWidth>
+static __global__ void __launch_bounds__(kThreads)
+    findPairs(const __grid_constant__ SolverData s, int n, Gate gate) {
+  gate.enter([&] {
+    forEachCrowded(s, [&](int i, const Tile<kWarp>& tile) { PairSearch::findMany(s, i, tile); });
+    const int threads = static_cast<int>(gridDim.x * blockDim.x);
+    for (int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x) / kWidth; i < n;
+         i += threads / kWidth)
+      PairSearch::findFew(s, i, Tile<kWidth>::ofThread());
+  });
+}
+
+/// WritePairs for the bodies at home, for worlds without shapes of several parts.
+static __global__ void __launch_bounds__(kThreads)
+    writePairs(const __grid_constant__ SolverData s, int n, PeerHome home, Gate gate) {
+  gate.enter([&] {
+    const auto countOf = [&](int i) { return s.pairOffset[i + 1] - s.pairOffset[i]; };
+    forEachCrowded(s, [&](int i, const Tile<kWarp>& tile) {
+      if (!home.has(i) || countOf(i) <= kPairSlots) return;
+      Pair* const first = s.pair + s.pairOffset[i];
       const WarpCounter partners(tile);
       searchPartners(
-          s, body, [&](int other) { first[partners.next()] = pairOf(s, body, other); }, tile.lane, kWarp);
+          s, i, [&](int other) { first[partners.next()] = pairOf(s, i, other); }, tile.lane, kWarp);
       sortTogether(
           first, partners.total(), tile.lane, kWarp,
           [](const Pair& a, const Pair& b) { return before(a, b); }, [&] { __syncwarp(tile.mask); });
     });
-  }
-};
+    const int threads = static_cast<int>(gridDim.x * blockDim.x);
+    for (int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); i < n; i += threads)
+      if (home.has(i) && countOf(i) <= kPairSlots) WritePairs<false>::writeFew(s, i, s.pairOffset[i]);
+  });
+}
 
 }  // namespace rubble::RUBBLE_CORE

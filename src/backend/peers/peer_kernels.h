@@ -48,6 +48,7 @@ struct GivePartners : PeerKernel {
     if (found == 0) return;
     const PeerTables to = peerTables(p, p.homeOf(i));
     const int first = add(&to.s.pairCount[i], found);
+    if (crowds(first, found)) to.put(to.s.crowdedBody[add(&to.s.counters->crowded, 1)], i);
     for (int k = 0; k < min(found, kPairSlots - first); ++k)
       to.put(to.s.pairSlot[i * kPairSlots + first + k], s.pairSlot[i * kPairSlots + k]);
   }

@@ -148,32 +148,21 @@ RUBBLE_HD inline bool isAhead(int i, const Bounds& b, int other, int level) {
   return !isLongLevel(level) && (level > b.level || (level == b.level && other > i));
 }
 
-/// What a search for neighbors looks for: those whose boxes touch, or with the slack of a lasting search.
-enum class Reach { Touching, Lasting };
-/// The box in which a body with the bounds `b` searches a level.
-template <Reach kReach> RUBBLE_HD Bounds boxFor(const SolverData& s, const Bounds& b, int level) {
-  return kReach == Reach::Lasting ? searchBox(s, b, level) : b;
-}
-
-/// found(other, otherOwns) for the neighbors of body i if neither has a long path: in its own level those
-/// that kAhead names, in coarser levels all. Share of worker `lane` of `lanes`.
-template <Ahead kAhead, Reach kReach, class Found>
+/// found(other) for the bodies whose boxes touch that of body i, if neither has a long path: in its own level
+/// those of higher index, in coarser levels all. Share of worker `lane` of `lanes`.
+template <class Found>
 RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
   if (!isInGrid(s, i)) return;
   const Bounds& b = s.bounds[i];
   if (isLongLevel(b.level)) return;
   const int world = s.worldOf(i);
   const auto scan = [&](int other, const Bounds& its) {
-    if (isAhead(i, b, other, its.level) && boundsTouch(its, boxFor<kReach>(s, b, its.level)))
-      found(other, false);
+    if (isAhead(i, b, other, its.level) && boundsTouch(its, b)) found(other);
   };
   const bool scanned = scanWorld(s, world, scan, lane, lanes);
   for (int level = b.level; !scanned && level < kGridSizes; ++level)
-    searchLevel(
-        s, i, boxFor<kReach>(s, b, level), level, level == b.level ? kAhead : Ahead::All,
-        [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
-  searchPlanes(
-      s, world, boxFor<kReach>(s, b, b.level), [&](int plane) { found(plane, false); }, lane, lanes);
+    searchLevel(s, i, b, level, level == b.level ? Ahead::InNumber : Ahead::All, found, lane, lanes);
+  searchPlanes(s, world, b, found, lane, lanes);
 }
 /// The same if one of the two has a long path.
 template <Ahead kAhead, class Found>
@@ -211,33 +200,68 @@ RUBBLE_HD RUBBLE_OUT_OF_LINE void searchPaths(const SolverData& s, int i, Found&
 /// found(other) for the partners of body i with which it may collide and owns the pair.
 template <class Found>
 RUBBLE_HD void searchPartners(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
-  const auto foundPartner = [&](int other, bool) {
+  const auto foundPartner = [&](int other) {
     if (mayCollide(s, i, other)) found(other);
   };
-  searchBounds<Ahead::InNumber, Reach::Touching>(s, i, foundPartner, lane, lanes);
-  if (s.counters->pathCells > 0) searchPaths<Ahead::InNumber>(s, i, foundPartner, lane, lanes);
+  searchBounds(s, i, foundPartner, lane, lanes);
+  if (s.counters->pathCells > 0)
+    searchPaths<Ahead::InNumber>(
+        s, i, [&](int other, bool) { foundPartner(other); }, lane, lanes);
 }
 
+/// Do so many more neighbors crowd a body that had `before`? It has more than slots from then on.
+RUBBLE_HD constexpr bool crowds(int before, int more) {
+  return before <= kPairSlots && before + more > kPairSlots;
+}
 /// Stores a neighbor with its owner. In cells of one size that is the body of lower index, else the one in
 /// the finer cells. The first kPairSlots are stored, in no fixed order.
 RUBBLE_HD inline void storeNeighbor(const SolverData& s, int i, int other, bool otherOwns) {
   const int owner = otherOwns ? other : i;
   const int slot = atomicCount(&s.pairCount[owner], 1);
   if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
+  if (crowds(slot, 1)) listCrowded(s, owner);
 }
-/// Finds neighbors without long paths, if the last search holds no longer.
+/// Stores what body i has found in a level, unless the other one finds it.
+struct StoreFound {
+  int i, level;  ///< of the body that searches
+  RUBBLE_HD void operator()(const SolverData& s, int other, int its) const {
+    if (other == i || !searchesMeet(s, i, other)) return;
+    const bool owns = its > level || (its == level && other > i);
+    if (owns || s.neighborSearch[other].isNew == 0) storeNeighbor(s, i, other, !owns);
+  }
+};
+/// Finds the neighbors of the bodies that search, without long paths.
 struct FindNeighbors {
   static constexpr const char* kStage = "pairs";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
+  RUBBLE_HD void operator()(const SolverData& s, int k) const { (*this)(s, k, 0, 1); }
   /// Share of worker `lane` of `lanes`.
-  RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
-    if (s.counters->searched == 0) return;
-    if (lane == 0) noteSearch(s, i);
-    find(s, i, lane, lanes);
-  }
-  RUBBLE_HD static void find(const SolverData& s, int i, int lane = 0, int lanes = 1) {
-    searchBounds<Ahead::InPlace, Reach::Lasting>(
-        s, i, [&](int other, bool otherOwns) { storeNeighbor(s, i, other, otherOwns); }, lane, lanes);
+  RUBBLE_HD void operator()(const SolverData& s, int k, int lane, int lanes) const {
+    const bool all = allSearch(s);
+    const int i = all ? k : s.searcher[k];
+    if (!isInGrid(s, i)) return;
+    const Bounds& b = s.bounds[i];
+    if (isLongLevel(b.level)) return;
+    const int world = s.worldOf(i);
+    const NeighborSearch& own = s.neighborSearch[i];
+    const StoreFound store{i, b.level};
+    const bool scanned = scanWorld(
+        s, world,
+        [&](int other, const Bounds& its) {
+          if (!isLongLevel(its.level)) store(s, other, its.level);
+        },
+        lane, lanes);
+    for (int level = all ? b.level : 0; !scanned && level < kGridSizes; ++level) {
+      const bool inPlace = all && level == b.level;
+      searchLevel(
+          s, i, searchBox(s, b, own, level), level, inPlace ? Ahead::InPlace : Ahead::All,
+          [&](int other) {
+            if (!inPlace) return store(s, other, level);
+            if (searchesMeet(s, i, other)) storeNeighbor(s, i, other, other < i);
+          },
+          lane, lanes);
+    }
+    searchPlanes(
+        s, world, own, [&](int plane) { storeNeighbor(s, i, plane, false); }, lane, lanes);
   }
 };
 /// Finds partners of which one has a long path. It is a separate kernel so that the other one stays small.
@@ -299,21 +323,8 @@ template <bool kParts> struct WritePairs {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int begin = s.pairOffset[i], count = s.pairOffset[i + 1] - begin;
-    const auto forEachPartner = [&](auto&& visit) {
-      for (unsigned left = s.neighborSearch[i].partners; left != 0; left &= left - 1)
-        visit(s.pairSlot[i * kPairSlots + lowestBit(left)]);
-    };
-    if constexpr (!kParts) {
-      if (count <= kPairSlots) {
-        // one pair per partner: its rank is its place
-        forEachPartner([&](int partner) {
-          int place = begin;
-          forEachPartner([&](int other) { place += other < partner; });
-          s.pair[place] = pairOf(s, i, partner);
-        });
-        return;
-      }
-    }
+    if constexpr (!kParts)
+      if (count <= kPairSlots) return writeFew(s, i, begin);
     int n = 0;
     const auto insertPair = [&](const Pair& pair) {
       int k = begin + n++;
@@ -331,7 +342,22 @@ template <bool kParts> struct WritePairs {
     if (count > kPairSlots)
       searchPartners(s, i, insert);
     else
-      forEachPartner(insert);
+      forEachPartner(s, i, insert);
+  }
+  /// Up to kPairSlots pairs of a body, one per partner: the rank of a pair is its place.
+  RUBBLE_HD static void writeFew(const SolverData& s, int i, int begin) {
+    forEachPartner(s, i, [&](int partner) {
+      int place = begin;
+      forEachPartner(s, i, [&](int other) { place += other < partner; });
+      s.pair[place] = pairOf(s, i, partner);
+    });
+  }
+
+ private:
+  /// visit(partner) for those in slots.
+  template <class Visit> RUBBLE_HD static void forEachPartner(const SolverData& s, int i, Visit&& visit) {
+    for (unsigned left = s.neighborSearch[i].partners; left != 0; left &= left - 1)
+      visit(s.pairSlot[i * kPairSlots + lowestBit(left)]);
   }
 };
 

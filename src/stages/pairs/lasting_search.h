@@ -1,8 +1,11 @@
 #pragma once
 /// A search for neighbors lasts several steps. Bodies are searched for with some slack around their boxes,
-/// and what was found holds until a box leaves the one of its search. Which neighbors touch is found in each
-/// step, so pairs do not depend on when the last search was. While something moves so far that a search would
-/// not last, searches have no slack.
+/// and what was found holds for a body until its box leaves the one of its search. Then it alone searches
+/// again: the other bodies forget it, and it finds all of its neighbors. Which neighbors touch is found in
+/// each step, so pairs do not depend on when the last search was.
+///
+/// Two bodies are neighbors if the boxes of their searches touch. Of two bodies that search in the same step
+/// one finds the other; of two of which one searches, that one does.
 #include "stages/pairs/grid.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -14,78 +17,154 @@ inline constexpr Real kSearchSlack = Real(1) / 16;
 RUBBLE_HD inline Real searchSlack(int level) { return kSearchSlack * cellSize(level); }
 /// Share of the slack that a box must keep to the one of its search: far more than round-off [1].
 inline constexpr Real kSlackKept = Real(.25);
+/// The box of a search lies within that of its body and this number of slacks: else it holds no longer,
+/// although the body is within. At most [1].
+inline constexpr Real kMostSlacks = 2;
 /// Steps that a search must last to be worth its slack.
 inline constexpr Real kLeastSteps = 4;
+/// Of so many bodies one may search alone. If more do, all search, which is cheaper: each pair is then looked
+/// for from one side.
+inline constexpr int kBodiesPerSearcher = 4;
+/// A body that finds bodies in cells so many levels finer would visit too many: then all search.
+inline constexpr int kFinerLevels = 3;
 
-/// Does body i move so far in a step that a search would not last?
-RUBBLE_HD inline bool isRestless(const SolverData& s, int i) {
-  const Bounds& b = loadUnchanging(s.bounds[i]);
+/// Does a body with these bounds move so far in a step that a search would not last?
+RUBBLE_HD inline bool isRestless(const Bounds& b) {
   return b.level >= 0 && kLeastSteps * longestSide(b.path) > searchSlack(b.level);
 }
-/// Slack of the search in this step, for a level [m].
-RUBBLE_HD inline Real slackNow(const SolverData& s, int level) {
-  const bool lasts = !s.searchesAlways && s.counters->pathCells == 0 && s.counters->restless == 0;
-  return lasts ? searchSlack(level) : Real(0);
+/// Slack of a search that begins in this step, for a body with these bounds [m].
+RUBBLE_HD inline Real slackNow(const SolverData& s, const Bounds& b) {
+  return s.searchesAlways || isRestless(b) ? Real(0) : searchSlack(b.level);
 }
-
-/// The box in which a body with the bounds `b` searches the bodies of a level.
-RUBBLE_HD inline Bounds searchBox(const SolverData& s, const Bounds& b, int level) {
-  const Real slack = slackNow(s, b.level) + slackNow(s, level);
+/// The box in which a body with a search finds all bodies of a level that are its neighbors, and others.
+RUBBLE_HD inline Bounds searchBox(const SolverData& s, const Bounds& b, const NeighborSearch& own,
+                                  int level) {
+  const Real slack = s.searchesAlways ? Real(0) : kMostSlacks * searchSlack(level);
   Bounds box = b;
-  box.half += Vec3{slack, slack, slack};
+  box.center = own.center, box.half = own.half + Vec3{slack, slack, slack};
   return box;
 }
 
 /// NeighborSearch::layer of what is in no search, and of planes of world 0; those of world w have kPlanes -
 /// w.
 inline constexpr int kOutside = -1, kPlanes = -2;
-/// What a search for the neighbors of body or plane i depends on, with some slack around its box [m].
-RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i, Real slack = 0) {
+/// What a search for the neighbors of body or plane i depends on in this step.
+RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i) {
   const Bounds& b = loadUnchanging(s.bounds[i]);
-  if (b.level >= 0)
-    return {b.center, layerOf(s.worldOf(i), b.level), b.half + Vec3{slack, slack, slack}, s.bodies, 0, 0};
+  if (b.level >= 0) {
+    const Real slack = slackNow(s, b);
+    return {b.center, layerOf(s.worldOf(i), b.level), b.half + Vec3{slack, slack, slack}, s.bodies, 0, 0, 1};
+  }
   const BodyParams& p = s.params[i];
   if (p.kind == BodyKind::Removed || p.shape.kind != ShapeKind::Plane)
-    return {{0, 0, 0}, kOutside, {0, 0, 0}, s.bodies, 0, 0};
-  return {
-      Vec3(s.position[i]), kPlanes - s.worldOf(i), rotate(s.orientation[i], Vec3{0, 0, 1}), s.bodies, 0, 0};
+    return {{0, 0, 0}, kOutside, {0, 0, 0}, s.bodies, 0, 0, 1};
+  return {Vec3(s.position[i]),
+          kPlanes - s.worldOf(i),
+          rotate(s.orientation[i], Vec3{0, 0, 1}),
+          s.bodies,
+          0,
+          0,
+          1};
 }
-/// Notes the search for the neighbors of body or plane i in this step.
-RUBBLE_HD inline void noteSearch(const SolverData& s, int i) {
-  storeWhole(s.neighborSearch[i], searchOf(s, i, slackNow(s, s.bounds[i].level)));
+/// Begins a search for the neighbors of body or plane i.
+RUBBLE_HD inline void beginSearch(const SolverData& s, int i) {
+  storeWhole(s.neighborSearch[i], searchOf(s, i));
 }
-/// Does the last search hold for body i?
-RUBBLE_HD inline bool searchHolds(const SolverData& s, int i) {
-  const NeighborSearch now = searchOf(s, i), &then = loadUnchanging(s.neighborSearch[i]);
-  const Bounds& b = loadUnchanging(s.bounds[i]);
-  const bool inGrid = b.level >= 0;
-  // a body that has left the grid has no pairs
-  if (now.layer == kOutside) return true;
+/// Does a search hold for a body with the bounds `b`, in the layer of that search?
+RUBBLE_HD inline bool boxHolds(const Bounds& b, const NeighborSearch& then) {
+  const Real slack = searchSlack(b.level), kept = kSlackKept * slack;
+  const auto holds = [&](Real way, Real now, Real half) {
+    return way + now <= half - kept && way + half <= now + kMostSlacks * slack;
+  };
+  const Vec3 way = abs(b.center - then.center);
+  return holds(way.x, b.half.x, then.half.x) && holds(way.y, b.half.y, then.half.y) &&
+         holds(way.z, b.half.z, then.half.z);
+}
+/// Does the last search hold for body or plane i? A long path is searched in each step.
+RUBBLE_HD inline bool searchHolds(const SolverData& s, int i, const NeighborSearch& then) {
+  const NeighborSearch now = searchOf(s, i);
   if (now.bodies != then.bodies || now.layer != then.layer) return false;
-  if (!inGrid) {
-    const Vec3 moved = abs(now.center - then.center) + abs(now.half - then.half);
-    return moved.x + moved.y + moved.z == Real(0);
-  }
-  const Real kept = kSlackKept * searchSlack(b.level);
-  const Vec3 way = abs(now.center - then.center) + b.half;
-  return way.x <= then.half.x - kept && way.y <= then.half.y - kept && way.z <= then.half.z - kept;
+  const Bounds& b = loadUnchanging(s.bounds[i]);
+  if (b.level >= 0) return !s.searchesAlways && !isLongLevel(b.level) && boxHolds(b, then);
+  const Vec3 moved = abs(now.center - then.center) + abs(now.half - then.half);
+  return moved.x + moved.y + moved.z == Real(0);
 }
 
-/// Finds out whether neighbors are searched in this step, if the last search does not hold for a body or a
-/// path is long; and whether that search can last.
-struct CheckNeighbors {
+/// Would a body with these bounds visit too many cells if it searched for itself?
+RUBBLE_HD inline bool isCoarse(const SolverData& s, const Bounds& b) {
+  for (int level = 0; level < sizeOf(b.level) - kFinerLevels; ++level)
+    if (s.counters->levelCount[level] > kListedBodies) return true;
+  return false;
+}
+/// Do all bodies search in this step? Valid after BeginSearches.
+RUBBLE_HD inline bool allSearch(const SolverData& s) {
+  return s.searchesAlways || s.counters->allSearch != 0 ||
+         s.counters->searchers > s.bodies / kBodiesPerSearcher;
+}
+
+/// Lists a body that has more neighbors than slots.
+RUBBLE_HD inline void listCrowded(const SolverData& s, int i) {
+  s.crowdedBody[atomicCount(&s.counters->crowded, 1)] = i;
+}
+
+/// Begins searches for bodies whose last one does not hold, and lists them. Of others it lists the crowded.
+struct BeginSearches {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    int &searched = s.counters->searched, &restless = s.counters->restless;
-    if (atomicLoad(&searched) == 0 && (s.searchesAlways || s.counters->pathCells > 0 || !searchHolds(s, i)))
-      atomicRaise(&searched, 1);
-    if (atomicLoad(&restless) == 0 && isRestless(s, i)) atomicRaise(&restless, 1);
+    NeighborSearch& search = s.neighborSearch[i];
+    const NeighborSearch& last = loadUnchanging(search);
+    if (searchHolds(s, i, last)) {
+      if (last.isNew != 0) search.isNew = 0;
+      if (last.found > kPairSlots) listCrowded(s, i);
+      return;
+    }
+    beginSearch(s, i);
+    const Bounds& b = s.bounds[i];
+    // where there are many worlds some body always searches; a plane may meet all bodies
+    const bool withAll = s.worlds > 1 || (b.level < 0 ? search.layer != kOutside : isCoarse(s, b));
+    if (withAll && atomicLoad(&s.counters->allSearch) == 0) atomicRaise(&s.counters->allSearch, 1);
+    if (!allSearch(s)) s.searcher[atomicCount(&s.counters->searchers, 1)] = i;
   }
 };
 
-/// Neighbors that the last search has found for a body, before pairs of the step are counted in pairCount.
+/// Begins the searches of the other bodies if all search. Else they forget the neighbors that search.
+struct ForgetSearchers {
+  static constexpr const char* kStage = "pairs";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    const bool all = allSearch(s);
+    if (!all && s.counters->searchers == 0) return;
+    if (i == 0) {
+      s.counters->searched = all ? s.bodies : s.counters->searchers;
+      if (all) s.counters->crowded = 0;
+    }
+    const bool isNew = s.neighborSearch[i].isNew != 0;
+    if (all && !isNew) beginSearch(s, i);
+    s.pairCount[i] = all || isNew ? 0 : forget(s, i, s.neighborSearch[i].found);
+  }
+
+ private:
+  /// Returns the number of neighbors that are left.
+  RUBBLE_HD static int forget(const SolverData& s, int i, int found) {
+    if (found > kPairSlots) return found;
+    int* const slots = s.pairSlot + i * kPairSlots;
+    int left = 0;
+    for (int k = 0; k < found; ++k) {
+      const int other = slots[k];
+      if (s.neighborSearch[other].isNew != 0) continue;
+      if (left != k) slots[left] = other;
+      ++left;
+    }
+    return left;
+  }
+};
+
+/// Neighbors that the last searches have found for a body, before pairs of the step are counted in pairCount.
 RUBBLE_HD inline int neighborsOf(const SolverData& s, int i) {
   return s.counters->searched != 0 ? s.pairCount[i] : s.neighborSearch[i].found;
+}
+/// Are two bodies neighbors?
+RUBBLE_HD inline bool searchesMeet(const SolverData& s, int i, int j) {
+  return boundsTouch(s.neighborSearch[i], s.neighborSearch[j]);
 }
 
 }  // namespace rubble::RUBBLE_CORE

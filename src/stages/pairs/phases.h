@@ -13,10 +13,7 @@ template <template <bool> class Kernel, Executor E> void forEachOwner(E& e) {
     e.forEach(Kernel<false>{}, e.view().bodies);
 }
 
-template <Executor E> void clear(E& e) {
-  e.clear(&SolverData::bucketCount, e.view().cells);
-  e.clear(&SolverData::pairCount, e.view().bodies);
-}
+template <Executor E> void clear(E& e) { e.clear(&SolverData::bucketCount, e.view().cells); }
 
 /// Finds the bodies whose boxes touch or will touch.
 template <Executor E> void find(E& e) {
@@ -27,8 +24,9 @@ template <Executor E> void find(E& e) {
   e.forEach(ClearCellPaths{}, &Counters::pathCells);
   e.forEach(FillGrid{}, bodies);
   e.forEach(LinkSubcells{}, &Counters::pathCells);
-  e.forEach(CheckNeighbors{}, bodies);
-  e.forEach(FindNeighbors{}, bodies);
+  e.forEach(BeginSearches{}, bodies);
+  e.forEach(ForgetSearchers{}, bodies);
+  e.forEach(FindNeighbors{}, &Counters::searched);
   e.beside(FindPathNeighbors{}, &Counters::pathCells);
   forEachOwner<FindPairs>(e);
   e.scan(&SolverData::pairCount, &SolverData::pairOffset, bodies, &Counters::pairs, Per::Pair);
