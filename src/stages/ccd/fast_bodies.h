@@ -115,7 +115,7 @@ struct ListStopped {
 };
 
 /// The motion of a body in the step, according to the stops found so far.
-RUBBLE_HD inline SweptMotion motionIn(const SolverData& s, int body) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline SweptMotion motionIn(const SolverData& s, int body) {
   if (s.params[body].kind == BodyKind::Static) return {};
   const auto until = [&](int k) {
     return 1 - static_cast<double>(fromFloatBits(s.ccdSeenBits[ccdOwner(s, k)]));
@@ -196,10 +196,17 @@ RUBBLE_HD inline Vec3 halfOfMotion(const SolverData& s, int i, const SweptMotion
   const Real turn = static_cast<Real>(min(length(m.turn) * m.until, 1.0)) * p.radius;
   return boundingHalf(p.shape, s.orientation[i]) + Vec3{turn, turn, turn};
 }
+/// Do a sphere of radius `reach` and a box of half extents `half`, both about from + t way, contain the
+/// origin for some t in [0, 1]?
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline bool passesOrigin(const Vec3d& from, const Vec3d& way, double reach,
+                                                      const Vec3d& half) {
+  const double size2 = dot(way, way), t = size2 > 0 ? clamp(-dot(from, way) / size2, 0.0, 1.0) : 0.0;
+  return lengthSquared(from + way * t) <= reach * reach && passes(from, inverseOf(way), half, 1);
+}
 /// Do the bounding spheres and boxes of two bodies touch on their motions up to `limit`? They move on
 /// straight lines until one of them stops. They are larger by the gap at which an impact is found.
-RUBBLE_HD inline bool boundsMeet(const SolverData& s, int i, int j, const SweptMotion& a,
-                                 const SweptMotion& b, double limit = 1) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline bool boundsMeet(const SolverData& s, int i, int j, const SweptMotion& a,
+                                                    const SweptMotion& b, double limit = 1) {
   constexpr double kTouching = 2 * static_cast<double>(kImpactGap);
   const double radii = static_cast<double>(s.params[i].radius + s.params[j].radius), gap = kTouching * radii,
                reach = radii + gap;
@@ -208,17 +215,13 @@ RUBBLE_HD inline bool boundsMeet(const SolverData& s, int i, int j, const SweptM
   };
   const Vec3d corner[4] = {between(0), between(min(min(a.until, b.until), limit)),
                            between(min(max(a.until, b.until), limit)), between(limit)};
-  const auto spheresMeet = [&](const Vec3d& from, const Vec3d& way) {
-    const double size2 = dot(way, way), t = size2 > 0 ? clamp(-dot(from, way) / size2, 0.0, 1.0) : 0.0;
-    return lengthSquared(from + way * t) <= reach * reach;
-  };
-  const auto boxesMeet = [&](const Vec3d& from, const Vec3d& way) {
-    const Vec3d half = Vec3d(halfOfMotion(s, i, a) + halfOfMotion(s, j, b)) + Vec3d{gap, gap, gap};
-    return passes(from, inverseOf(way), half, 1);
-  };
-  for (int k = 0; k < 3; ++k)
-    if (const Vec3d way = corner[k + 1] - corner[k]; spheresMeet(corner[k], way) && boxesMeet(corner[k], way))
-      return true;
+  const Vec3d half = Vec3d(halfOfMotion(s, i, a) + halfOfMotion(s, j, b)) + Vec3d{gap, gap, gap};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d way = corner[k + 1] - corner[k];
+    // motions that do not change have one segment
+    if (k > 0 && way == Vec3d{}) continue;
+    if (passesOrigin(corner[k], way, reach, half)) return true;
+  }
   return false;
 }
 /// The same for any shape: planes have no bounds.
