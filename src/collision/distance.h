@@ -81,7 +81,7 @@ RUBBLE_HD inline Part nearestPart(const Simplex& s, int i, int j) {
   return onEdge(i, j, t / size);
 }
 
-RUBBLE_HD inline Part nearestPart(const Simplex& s, int i, int j, int k) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Part nearestPart(const Simplex& s, int i, int j, int k) {
   const Vec3d &a = s.v[i].w, &b = s.v[j].w, &c = s.v[k].w, ab = b - a, ac = c - a;
   const double d1 = -dot(ab, a), d2 = -dot(ac, a);
   if (d1 <= 0 && d2 <= 0) return onVertex(i);
@@ -218,7 +218,7 @@ RUBBLE_HD inline Separation fromPlane(const Placed& plane, const Placed& b) {
 }  // namespace gjk
 
 /// Distance of two shapes; two half spaces are infinitely far apart.
-RUBBLE_HD inline Separation separation(const Placed& a, const Placed& b) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Separation separation(const Placed& a, const Placed& b) {
   if (a.isPlane() && b.isPlane()) return {1e300, a.p, b.p, {0, 0, 1}};
   if (a.isPlane()) return gjk::fromPlane(a, b);
   if (b.isPlane()) {
@@ -259,7 +259,8 @@ RUBBLE_HD inline Quatd turnOf(const Vec3d& w) {
   return {half.cos, w / angle * half.sin};
 }
 
-RUBBLE_HD inline Placed movedBy(const Placed& s, const SweptMotion& motion, double fraction) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline Placed movedBy(const Placed& s, const SweptMotion& motion,
+                                                   double fraction) {
   Placed m = s;
   m.p += wayUntil(motion, fraction);
   if (motion.turn == Vec3d{}) return m;
@@ -289,7 +290,7 @@ RUBBLE_HD inline SweptMotion motionOfSurface(const Placed& s, const SweptMotion&
 }
 /// Separation of two shapes along a unit vector from A to B [m]: at most their distance; negative: overlap
 /// along n.
-RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& n) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& n) {
   if (a.isPlane()) return gjk::fromPlane(a, b).distance;
   if (b.isPlane()) return gjk::fromPlane(b, a).distance;
   return dot(n, gjk::support(b, -n) - gjk::support(a, n)) - a.radius() - b.radius();
@@ -309,12 +310,15 @@ RUBBLE_HD inline double leastRoot(double bend, double change, double gap) {
 /// Conservative advancement. Two bounds say how long the shapes cannot meet. One is the speed at which points
 /// approach along n, the other the gap along n at the end of their motions: in between, points deviate from a
 /// steady motion along n by no more than their accelerations allow.
-RUBBLE_HD inline TimeOfImpact timeOfImpact(const Placed& a, const SweptMotion& bodyA, const Placed& b,
-                                           const SweptMotion& bodyB, double tolerance) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline TimeOfImpact timeOfImpact(const Placed& a, const SweptMotion& bodyA,
+                                                              const Placed& b, const SweptMotion& bodyB,
+                                                              double tolerance) {
   const SweptMotion motionA = motionOfSurface(a, bodyA), motionB = motionOfSurface(b, bodyB);
   constexpr int kMostSteps = 128;  // longer searches stay within the tolerance for long: an impact
-  TimeOfImpact m{0, separation(a, b)};
-  for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {
+  TimeOfImpact m{};
+  for (int step = 0;; ++step) {
+    m.at = separation(movedBy(a, motionA, m.fraction), movedBy(b, motionB, m.fraction));
+    if (step == kMostSteps || !(m.at.distance > tolerance)) return m;
     const SweptMotion nowA = motionFrom(motionA, m.fraction), nowB = motionFrom(motionB, m.fraction);
     const Vec3d& n = m.at.n;
     const double closing = dot(n, nowA.move - nowB.move) + turnReach(a, nowA, n) + turnReach(b, nowB, n);
@@ -332,18 +336,17 @@ RUBBLE_HD inline TimeOfImpact timeOfImpact(const Placed& a, const SweptMotion& b
       m.fraction = end;
     else
       return {kNoImpact, m.at};
-    m.at = separation(movedBy(a, motionA, m.fraction), movedBy(b, motionB, m.fraction));
   }
-  return m;
 }
 
 /// Time of impact of A and B, which are already in contact along n. An impact is a penetration deeper than
 /// `allowed`. If they start deeper, they may still penetrate further by `more`, so that the step can proceed.
 /// n rotates with one of the bodies. The cheap gap along n is tested first. Where it fails, the distance and
 /// its direction replace it.
-RUBBLE_HD inline TimeOfImpact timeOfImpactBeyond(const Placed& a, const SweptMotion& bodyA, const Placed& b,
-                                                 const SweptMotion& bodyB, const Vec3d& n, bool turnsWithB,
-                                                 double allowed, double more) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline TimeOfImpact timeOfImpactBeyond(const Placed& a, const SweptMotion& bodyA,
+                                                                    const Placed& b, const SweptMotion& bodyB,
+                                                                    const Vec3d& n, bool turnsWithB,
+                                                                    double allowed, double more) {
   const SweptMotion motionA = motionOfSurface(a, bodyA), motionB = motionOfSurface(b, bodyB);
   constexpr int kMostSteps = 128;
   constexpr double

@@ -14,8 +14,8 @@
 #define RUBBLE_REAL double
 #endif
 
-/// Keeps a large, rarely used function out of line, so that its registers do not count in the calling
-/// kernels.
+/// Keeps a large function out of line. Its registers then do not count in the calling kernels, and a kernel
+/// that calls it from several places loads its instructions once.
 #if defined(__CUDACC__)
 #define RUBBLE_OUT_OF_LINE __noinline__
 #elif defined(_MSC_VER)

@@ -156,7 +156,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::newPair, "newPair", "", Per::Pair, Lifetime::Unordered);
   is(&SolverData::isActive, "isActive", "", Per::Pair, Lifetime::Work);
   is(&SolverData::activePairOffset, "activePairOffset", "", Per::Pair, Lifetime::Work, 1);
-  is(&SolverData::toiBits, "toiBits", "", Per::Pair, Lifetime::Work);
+  is(&SolverData::sweptPair, "sweptPair", "", Per::Pair, Lifetime::Unordered);
   is(&SolverData::activePair, "activePair", "", Per::ActivePair, Lifetime::Work);
   is(&SolverData::manifold, "manifold", "", Per::ActivePair, Lifetime::Work);
   is(&SolverData::tested, "tested", "", Per::ActivePair, Lifetime::Unordered);

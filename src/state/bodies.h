@@ -134,6 +134,12 @@ struct alignas(16) Pair {
   std::uint32_t first : 31;
   int second;
 };
+
+/// A pair that CCD sweeps.
+struct SweptPair {
+  int pair;
+  int toiBits;  ///< share of the motion left at the time of impact, as the bits of a float; 0: no impact
+};
 static_assert(sizeof(Pair) == 4 * sizeof(int));
 /// Order of the pairs of one owner.
 RUBBLE_HD constexpr bool before(const Pair& a, const Pair& b) {
@@ -326,7 +332,8 @@ struct Counters {
   int clashing, clashes, rounds;  ///< nodes that need a new color, color conflicts left, and coloring rounds
   int fastBodies;                 ///< those that need CCD: they move far, or are pressed into another
   int searchedBodies;             ///< those of them that CCD searches for others without a pair
-  int swept;                      ///< pairs to be tested by CCD: all, or none
+  int swept;                      ///< pairs of which CCD lists those of fast bodies: all, or none
+  int sweptPairs;                 ///< those that it has listed
   int arcs;                       ///< 1: points of a body go on arcs (stages/contacts/arcs.h)
   int carriers;                   ///< 1: a body moves that may carry others (stages/ccd/carriers.h)
   int ccdImpacts, ccdRounds;      ///< not 0: the last search of CCD found impacts; number of later searches

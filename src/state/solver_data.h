@@ -213,10 +213,9 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   Array<int> activePair = nullptr;     ///< indices of the active pairs
   Array<Manifold> manifold = nullptr;  ///< one per active pair
   Array<Manifold> oldManifold = nullptr;
-  Array<int> toiBits = nullptr;  ///< share of the motion left at the time of impact, as the bits of a float;
-                                 ///< 0: no impact
-  Array<int> tested = nullptr;   ///< manifolds that need a full narrow-phase test
-  Array<int> hasRows = nullptr;  ///< 1: a point of the manifold is active in this step
+  Array<SweptPair> sweptPair = nullptr;  ///< CCD: pairs of fast bodies, in no fixed order
+  Array<int> tested = nullptr;           ///< manifolds that need a full narrow-phase test
+  Array<int> hasRows = nullptr;          ///< 1: a point of the manifold is active in this step
   Array<RollingRows> rolling = nullptr;  ///< one per manifold, if `rolls`
   Array<RollingRows> oldRolling = nullptr;
   Array<int> rowOffset = nullptr;  ///< [activePairs + 1] number of manifolds with rows before this one

@@ -82,13 +82,15 @@ TEST(BoundsOnMotions, OfLongBodiesAreThinnerThanTheirSpheresUnlessTheyTurn) {
 TEST(RecordedImpact, IsTheFirstOfThoseOfAPair) {
   BodyParams params[2];
   params[0] = params[1] = dynamicBody({{0, 0, 0}, 1, ShapeKind::Sphere, -1});
-  int toi = 0, shares[2]{}, fast[2] = {1, 1}, pairs[2]{}, carriers[2]{};
+  SweptPair swept{};
+  int shares[2]{}, fast[2] = {1, 1}, pairs[2]{}, carriers[2]{};
   Counters counters{};
   SolverData s{};
-  s.params = params, s.toiBits = &toi, s.ccdShareBits = shares, s.fast = fast, s.counters = &counters;
+  s.params = params, s.ccdShareBits = shares, s.fast = fast, s.counters = &counters;
   s.ccdPair = pairs, s.ccdCarrier = carriers;
-  for (const double fraction : {.5, .25, .75}) recordImpact(s, 0, {0, 1}, fraction, {0, 0, 1});
-  for (const int bits : {toi, shares[0], shares[1]}) EXPECT_EQ(fromFloatBits(bits), .75) << "what remains";
+  for (const double fraction : {.5, .25, .75}) recordImpact(s, swept, {0, 1}, fraction, {0, 0, 1});
+  for (const int bits : {swept.toiBits, shares[0], shares[1]})
+    EXPECT_EQ(fromFloatBits(bits), .75) << "what remains";
   EXPECT_EQ(counters.ccdImpacts, 1);
 }
 

@@ -99,7 +99,7 @@ TEST(LastingSearch, FindsThePairsOfASearchInEveryStep) {
 TEST(LastingSearch, FindsThePairsOfBodiesAmongOthersAtRest) {
   constexpr int kBodies = 400, kRounds = 300;
   Twins twins;
-  twins.both([](CoreWorld& world) { addRandomBodies(world, kBodies, 10); });
+  twins.both([](CoreWorld& world) { addRandomBodies(world, kBodies, 4); });
   for (int round = 0; round < kRounds; ++round) {
     twins.find();
     twins.both([&](CoreWorld& world) {
@@ -107,7 +107,7 @@ TEST(LastingSearch, FindsThePairsOfBodiesAmongOthersAtRest) {
       SolverData& s = world.view();
       for (int k = 0; k < 12; ++k) {
         const int i = 1 + static_cast<int>(random.uniform(0, kBodies - 1));
-        const double speed = std::pow(10., random.uniform(-3, 2.5));
+        const double speed = std::pow(10., random.uniform(-3, 2));
         const Vec3d way{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
         s.velocity[i] = k % 6 == 0 ? Vec3(way * speed) : Vec3{0, 0, 0};
         if (k % 4 == 1) s.position[i] += way * std::pow(10., random.uniform(-3, 1));
@@ -117,7 +117,7 @@ TEST(LastingSearch, FindsThePairsOfBodiesAmongOthersAtRest) {
     });
   }
   EXPECT_GT(twins.alone(), kRounds / 4);
-  EXPECT_GT(twins.found(), kRounds * kBodies);
+  EXPECT_GT(twins.found(), kRounds * kBodies / 10);
 }
 
 /// Spheres in a space so small that about half of them have more neighbors than slots.

@@ -29,8 +29,9 @@ class CudaExecutor : private ScanLauncher {
   CudaExecutor(DeviceTables& tables, cudaStream_t stream, int processors)
       : ScanLauncher(tables, stream, processors) {
     count(&Counters::newPairs, Per::Pair), count(&Counters::tested, Per::ActivePair);
-    bound(&Counters::swept, Per::Pair), bound(&Counters::fastBodies, Per::Body);
-    bound(&Counters::searchedBodies, Per::Body), bound(&Counters::searched, Per::Body);
+    bound(&Counters::searched, Per::Body), bound(&Counters::swept, Per::Pair);
+    bound(&Counters::sweptPairs, Per::Pair), bound(&Counters::fastBodies, Per::Body);
+    bound(&Counters::searchedBodies, Per::Body);
   }
   CudaExecutor(const CudaExecutor&) = delete;
   CudaExecutor& operator=(const CudaExecutor&) = delete;

@@ -77,39 +77,29 @@ RUBBLE_HD Carried carriedOn(const SolverData& s, int body, int k, double from, U
 /// one may lie below it and not in it, and would be pushed through what it lies on.
 inline constexpr Real kCargoSize = Real(.25);
 
-/// Finds the carriers of dynamic bodies among the partners of their pairs: one that moves as the body does
-/// more nearly than the world, or one around it.
-struct FindCarriers {
-  static constexpr const char* kStage = "ccd";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.counters->carriers == 0) return;
-    const OrderedPair o = ordered(s.pair[i]);
-    carry(s, o.a, o.b);
-    carry(s, o.b, o.a);
-  }
-
- private:
-  RUBBLE_HD static void carry(const SolverData& s, int k, int body) {
-    const BodyParams &p = s.params[k], &own = s.params[body];
-    if (own.kind != BodyKind::Dynamic || isSensor(s, k)) return;
-    int* const carrier = &s.ccdCarrier[ccdOwner(s, body)];
-    if (p.kind != BodyKind::Dynamic) atomicRaise(carrier, kHeldByWorld);
-    if (!mayCarry(p) || !movesInStep(s, k) || (p.kind == BodyKind::Dynamic && !isIn(s, k, body))) return;
-    const Vec3d arm = s.position[body] - s.position[k], way(s.dx[body].dp);
-    const bool goesAlong = lengthSquared(way - carriedWith(s, k, arm, 1).way) < lengthSquared(way);
-    if (goesAlong)
-      atomicRaise(carrier, kSurely + k + 1);
-    else if (p.kind == BodyKind::Dynamic)
-      atomicRaise(carrier, k + 1);
-  }
-  RUBBLE_HD static bool isIn(const SolverData& s, int k, int body) {
-    const Real radius = s.params[body].radius;
-    const ShapeData& shape = s.params[k].shape;
-    if (radius > kCargoSize * s.params[k].radius || ccdOwner(s, k) == ccdOwner(s, body)) return false;
-    const Vec3 at(rotateInverse(Quatd(s.orientation[k]), s.position[body] - s.position[k])),
-        out = abs(at) - boundingHalf(shape, Quat{});
-    return max(out.x, max(out.y, out.z)) <= -radius;
-  }
-};
+/// Is a body small enough for concave body k to carry it, and in its box?
+RUBBLE_HD inline bool isCargo(const SolverData& s, int body, int k) {
+  const Real radius = s.params[body].radius;
+  const ShapeData& shape = s.params[k].shape;
+  if (radius > kCargoSize * s.params[k].radius || ccdOwner(s, k) == ccdOwner(s, body)) return false;
+  const Vec3 at(rotateInverse(Quatd(s.orientation[k]), s.position[body] - s.position[k])),
+      out = abs(at) - boundingHalf(shape, Quat{});
+  return max(out.x, max(out.y, out.z)) <= -radius;
+}
+/// Does body k carry a body with which it has a pair? A dynamic body has for its carrier one that moves as it
+/// does more nearly than the world, or one around it.
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline void findCarrier(const SolverData& s, int body, int k) {
+  const BodyParams &p = s.params[k], &own = s.params[body];
+  if (own.kind != BodyKind::Dynamic || isSensor(s, k)) return;
+  int* const carrier = &s.ccdCarrier[ccdOwner(s, body)];
+  if (p.kind != BodyKind::Dynamic) atomicRaise(carrier, kHeldByWorld);
+  if (!mayCarry(p) || !movesInStep(s, k) || (p.kind == BodyKind::Dynamic && !isCargo(s, body, k))) return;
+  const Vec3d arm = s.position[body] - s.position[k], way(s.dx[body].dp);
+  const bool goesAlong = lengthSquared(way - carriedWith(s, k, arm, 1).way) < lengthSquared(way);
+  if (goesAlong)
+    atomicRaise(carrier, kSurely + k + 1);
+  else if (p.kind == BodyKind::Dynamic)
+    atomicRaise(carrier, k + 1);
+}
 
 }  // namespace rubble::RUBBLE_CORE

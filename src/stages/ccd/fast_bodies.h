@@ -115,7 +115,7 @@ struct ListStopped {
 };
 
 /// The motion of a body in the step, according to the stops found so far.
-RUBBLE_HD inline SweptMotion motionIn(const SolverData& s, int body) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline SweptMotion motionIn(const SolverData& s, int body) {
   if (s.params[body].kind == BodyKind::Static) return {};
   const auto until = [&](int k) {
     return 1 - static_cast<double>(fromFloatBits(s.ccdSeenBits[ccdOwner(s, k)]));
@@ -167,6 +167,17 @@ RUBBLE_HD inline bool mayImpact(const SolverData& s, const OrderedPair& o) {
   return (s.fast[o.a] || s.fast[o.b]) && !isSensor(s, o.a) && !isSensor(s, o.b);
 }
 
+/// Lists the pairs that may cause a stop, and finds carriers. Few pairs have a fast body, and all later looks
+/// at pairs are at these alone.
+struct ListSweptPairs {
+  static constexpr const char* kStage = "ccd";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    const OrderedPair o = ordered(s.pair[i]);
+    if (s.counters->carriers != 0) findCarrier(s, o.a, o.b), findCarrier(s, o.b, o.a);
+    if (mayImpact(s, o)) s.sweptPair[atomicCount(&s.counters->sweptPairs, 1)] = {i, 0};
+  }
+};
+
 /// Upper bound of the approach of any two points of the bodies [m].
 RUBBLE_HD inline Real approach(const SolverData& s, const OrderedPair& o, const SweptMotion& a,
                                const SweptMotion& b) {
@@ -185,10 +196,17 @@ RUBBLE_HD inline Vec3 halfOfMotion(const SolverData& s, int i, const SweptMotion
   const Real turn = static_cast<Real>(min(length(m.turn) * m.until, 1.0)) * p.radius;
   return boundingHalf(p.shape, s.orientation[i]) + Vec3{turn, turn, turn};
 }
+/// Do a sphere of radius `reach` and a box of half extents `half`, both about from + t way, contain the
+/// origin for some t in [0, 1]?
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline bool passesOrigin(const Vec3d& from, const Vec3d& way, double reach,
+                                                      const Vec3d& half) {
+  const double size2 = dot(way, way), t = size2 > 0 ? clamp(-dot(from, way) / size2, 0.0, 1.0) : 0.0;
+  return lengthSquared(from + way * t) <= reach * reach && passes(from, inverseOf(way), half, 1);
+}
 /// Do the bounding spheres and boxes of two bodies touch on their motions up to `limit`? They move on
 /// straight lines until one of them stops. They are larger by the gap at which an impact is found.
-RUBBLE_HD inline bool boundsMeet(const SolverData& s, int i, int j, const SweptMotion& a,
-                                 const SweptMotion& b, double limit = 1) {
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline bool boundsMeet(const SolverData& s, int i, int j, const SweptMotion& a,
+                                                    const SweptMotion& b, double limit = 1) {
   constexpr double kTouching = 2 * static_cast<double>(kImpactGap);
   const double radii = static_cast<double>(s.params[i].radius + s.params[j].radius), gap = kTouching * radii,
                reach = radii + gap;
@@ -197,17 +215,13 @@ RUBBLE_HD inline bool boundsMeet(const SolverData& s, int i, int j, const SweptM
   };
   const Vec3d corner[4] = {between(0), between(min(min(a.until, b.until), limit)),
                            between(min(max(a.until, b.until), limit)), between(limit)};
-  const auto spheresMeet = [&](const Vec3d& from, const Vec3d& way) {
-    const double size2 = dot(way, way), t = size2 > 0 ? clamp(-dot(from, way) / size2, 0.0, 1.0) : 0.0;
-    return lengthSquared(from + way * t) <= reach * reach;
-  };
-  const auto boxesMeet = [&](const Vec3d& from, const Vec3d& way) {
-    const Vec3d half = Vec3d(halfOfMotion(s, i, a) + halfOfMotion(s, j, b)) + Vec3d{gap, gap, gap};
-    return passes(from, inverseOf(way), half, 1);
-  };
-  for (int k = 0; k < 3; ++k)
-    if (const Vec3d way = corner[k + 1] - corner[k]; spheresMeet(corner[k], way) && boxesMeet(corner[k], way))
-      return true;
+  const Vec3d half = Vec3d(halfOfMotion(s, i, a) + halfOfMotion(s, j, b)) + Vec3d{gap, gap, gap};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d way = corner[k + 1] - corner[k];
+    // motions that do not change have one segment
+    if (k > 0 && way == Vec3d{}) continue;
+    if (passesOrigin(corner[k], way, reach, half)) return true;
+  }
   return false;
 }
 /// The same for any shape: planes have no bounds.
@@ -229,23 +243,25 @@ RUBBLE_HD inline bool mayPass(const SolverData& s, const OrderedPair& o, const S
   return approach(s, o, a, b) > thin && mayMeet(s, o.a, o.b, a, b);
 }
 
-/// Records that the bodies of pair i meet at this fraction of their motion. `n`: normal from A to B.
-RUBBLE_HD inline void recordImpact(const SolverData& s, int i, const OrderedPair& o, double fraction,
-                                   const Vec3d& n) {
+/// Records that the bodies of a pair meet at this fraction of their motion. `n`: normal from A to B.
+RUBBLE_HD inline void recordImpact(const SolverData& s, SweptPair& swept, const OrderedPair& o,
+                                   double fraction, const Vec3d& n) {
+  const int i = swept.pair;
   if (s.oneWay && !hasRows(manifoldOf(s, i)) && !stopsOneWay(s, o, partsOf(s, s.pair[i], o), n)) return;
   const int bits = floatBits(static_cast<Real>(1 - fraction));
-  s.toiBits[i] = max(s.toiBits[i], bits);
+  swept.toiBits = max(swept.toiBits, bits);
   if (stopsAtImpact(s, o.a, o.b)) raiseCcdShare(s, o.a, bits);
   if (stopsAtImpact(s, o.b, o.a)) raiseCcdShare(s, o.b, bits);
 }
 
-/// Times of impact of pairs of primitive shapes; stores the remaining fraction of the motion.
+/// Times of impact of pairs of primitive shapes; stores the remaining fraction of the motion. By swept pair.
 struct FindImpacts {
   static constexpr const char* kStage = "ccd";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.counters->ccdRounds == 0) s.toiBits[i] = 0;
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    SweptPair& swept = s.sweptPair[k];
+    const int i = swept.pair;
     const OrderedPair o = ordered(s.pair[i]);
-    if (!isPrimitivePair(s, o.a, o.b) || !mayImpact(s, o) || !needsSearch(s, o)) return;
+    if (!isPrimitivePair(s, o.a, o.b) || !needsSearch(s, o)) return;
     const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
     const SweptMotion motionA = motionIn(s, o.a), motionB = motionIn(s, o.b);
     const Real thin = thinner(innerRadius(pa.shape), innerRadius(pb.shape));
@@ -256,15 +272,15 @@ struct FindImpacts {
     const TimeOfImpact m = timeOfImpactOfPair(a, motionA, b, motionB, manifoldOf(s, i), thin,
                                               bothDynamic(s, o), tolerance);
     if (m.fraction > 1) return;
-    recordImpact(s, i, o, m.fraction, m.at.n);
+    recordImpact(s, swept, o, m.fraction, m.at.n);
   }
 };
 
-/// The pair at which a body stops; of several at the same time the last one.
+/// The pair at which a body stops; of several at the same time the last one. By swept pair.
 struct ChooseCcdPairs {
   static constexpr const char* kStage = "ccd";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const int bits = s.toiBits[i];
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    const auto [i, bits] = s.sweptPair[k];
     if (bits == 0) return;
     const OrderedPair o = ordered(s.pair[i]);
     if (stopsAtImpact(s, o.a, o.b) && s.ccdShareBits[o.a] == bits) atomicRaise(&s.ccdPair[o.a], i + 1);
@@ -290,11 +306,12 @@ RUBBLE_HD inline Displacement stoppedMotion(const SolverData& s, int body, int c
 }
 
 /// The motions of stopped bodies. A kinematic body carries a body that it has met along for the rest of the
-/// step, a static one holds it.
+/// step, a static one holds it. By swept pair.
 struct StopBodies {
   static constexpr const char* kStage = "ccd";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.toiBits[i] == 0) return;
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    const auto [i, bits] = s.sweptPair[k];
+    if (bits == 0) return;
     const OrderedPair o = ordered(s.pair[i]);
     if (s.ccdPair[o.a] == i + 1) stop(s, o.a, o.b);
     if (s.ccdPair[o.b] == i + 1) stop(s, o.b, o.a);

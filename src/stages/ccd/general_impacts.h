@@ -43,14 +43,16 @@ RUBBLE_HD RowFacings rowFacings(const SolverData& s, int pair, bool surfaceOnA, 
 }
 
 /// Times of impact of general pairs. Parts of compounds are separate pairs. The first slot of a part and a
-/// surface processes all of their slots.
+/// surface processes all of their slots. By swept pair.
 struct FindGeneralImpacts {
   static constexpr const char* kStage = "ccd";
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
     if (!s.generalShapes) return;
+    SweptPair& swept = s.sweptPair[k];
+    const int i = swept.pair;
     const Pair p = s.pair[i];
     const OrderedPair o = ordered(p);
-    if (isPrimitivePair(s, o.a, o.b) || !mayImpact(s, o) || !needsSearch(s, o)) return;
+    if (isPrimitivePair(s, o.a, o.b) || !needsSearch(s, o)) return;
     const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
     const bool surface = isSurface(shapeA.kind) || isSurface(shapeB.kind);
     if (surface && p.second != 0) return;
@@ -71,7 +73,7 @@ struct FindGeneralImpacts {
       if (!mayPass(s, o, motionA, motionB, thin, manifoldOf(s, i))) return;
       const TimeOfImpact m = timeOfImpactOfPair(asConvex(a), motionA, asConvex(b), motionB, manifoldOf(s, i),
                                                 thin, bothDynamic(s, o), tolerance);
-      if (m.fraction <= 1) recordImpact(s, i, o, m.fraction, m.at.n);
+      if (m.fraction <= 1) recordImpact(s, swept, o, m.fraction, m.at.n);
       return;
     }
     const bool onA = surfaceIsOnA(s, p, o);
@@ -110,7 +112,7 @@ struct FindGeneralImpacts {
       };
       m = timeOfImpactWithTriangles(whole, motionS, convex, motionP, {tolerance, true, allowed}, impactWith);
     }
-    if (m.fraction <= 1) recordImpact(s, i, o, m.fraction, onA ? m.at.n : -m.at.n);
+    if (m.fraction <= 1) recordImpact(s, swept, o, m.fraction, onA ? m.at.n : -m.at.n);
   }
 };
 

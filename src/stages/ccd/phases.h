@@ -17,18 +17,19 @@ template <Executor E> void stop(E& e) {
     e.forEach(StartCcdIslands{}, s.bodies);
     forEachJoint<JoinCcdIslands>(e);
   }
-  e.forEach(FindCarriers{}, &Counters::swept);
-  e.forEach(FindImpacts{}, &Counters::swept);
-  if (s.generalShapes) e.forEach(FindGeneralImpacts{}, &Counters::swept);
+  e.forEach(ListSweptPairs{}, &Counters::swept);
+  e.forEach(FindImpacts{}, &Counters::sweptPairs);
+  if (s.generalShapes) e.forEach(FindGeneralImpacts{}, &Counters::sweptPairs);
   e.beside(FindUnpairedImpacts{}, &Counters::searchedBodies);
-  e.rounds(
-      {&Counters::ccdImpacts, &Counters::ccdRounds, kCcdRounds},
-      phase(BeginCcdRound{}, &Counters::fastBodies), phase(ListStopped{}, &Counters::fastBodies),
-      phase(FindImpacts{}, &Counters::swept), phase<When::Beside>(FindGeneralImpacts{}, &Counters::swept),
-      phase<When::Beside>(FindUnpairedImpacts{}, &Counters::searchedBodies),
-      phase<When::AtEnd>(RaiseIslandShares{}, s.bodies), phase<When::AtEnd>(StopCcdIslands{}, s.bodies),
-      phase<When::AtEnd>(ChooseCcdPairs{}, &Counters::swept),
-      phase<When::AtEnd>(StopBodies{}, &Counters::swept), phase<When::AtEnd>(StopUnpairedBodies{}, s.bodies));
+  e.rounds({&Counters::ccdImpacts, &Counters::ccdRounds, kCcdRounds},
+           phase(BeginCcdRound{}, &Counters::fastBodies), phase(ListStopped{}, &Counters::fastBodies),
+           phase(FindImpacts{}, &Counters::sweptPairs),
+           phase<When::Beside>(FindGeneralImpacts{}, &Counters::sweptPairs),
+           phase<When::Beside>(FindUnpairedImpacts{}, &Counters::searchedBodies),
+           phase<When::AtEnd>(RaiseIslandShares{}, s.bodies), phase<When::AtEnd>(StopCcdIslands{}, s.bodies),
+           phase<When::AtEnd>(ChooseCcdPairs{}, &Counters::sweptPairs),
+           phase<When::AtEnd>(StopBodies{}, &Counters::sweptPairs),
+           phase<When::AtEnd>(StopUnpairedBodies{}, s.bodies));
 }
 
 }  // namespace rubble::RUBBLE_CORE::ccd

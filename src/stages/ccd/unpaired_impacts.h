@@ -23,13 +23,13 @@ RUBBLE_HD inline bool arePaired(const SolverData& s, int body, int part, int oth
   return false;
 }
 
-/// Time of impact of parts without a pair. Unless `anyTouch`, only if the penetration would exceed what the
-/// rows of the next step correct.
-RUBBLE_HD inline TimeOfImpact timeOfImpactUnpaired(const PlacedAny& part, const SweptMotion& motion,
-                                                   const PlacedAny& other, const SweptMotion& otherMotion,
-                                                   double tolerance, bool anyTouch) {
-  const ShapeTables& tables = part.tables;
-  const Real thin = thinner(innerRadiusOf(tables, part.shape), innerRadiusOf(tables, other.shape));
+/// Time of impact of parts without a pair, one of which is a surface, if the penetration would exceed what
+/// the rows of the next step correct. `thin`: half the thickness of the thinner part [m].
+RUBBLE_HD RUBBLE_OUT_OF_LINE inline TimeOfImpact timeOfImpactWithSurface(const PlacedAny& part,
+                                                                         const SweptMotion& motion,
+                                                                         const PlacedAny& other,
+                                                                         const SweptMotion& otherMotion,
+                                                                         double tolerance, Real thin) {
   if (part.shape.kind == ShapeKind::Distance || other.shape.kind == ShapeKind::Distance) {
     const auto any = [](const Vec3d&, const TimeOfImpact&) { return true; };
     const ImpactRule rule{tolerance, true, static_cast<double>(thin)};
@@ -38,13 +38,6 @@ RUBBLE_HD inline TimeOfImpact timeOfImpactUnpaired(const PlacedAny& part, const 
                : timeOfImpactWithField(other, otherMotion, part, motion, rule, any);
   }
   const Placed convex = asConvex(part);
-  if (!isSurface(other.shape.kind)) {
-    const Placed its = asConvex(other);
-    const TimeOfImpact first = timeOfImpact(convex, motion, its, otherMotion, tolerance);
-    if (first.fraction > 1 || anyTouch) return first;
-    const double gap = gapAlong(movedBy(convex, motion, 1), movedBy(its, otherMotion, 1), first.at.n);
-    return gap < -static_cast<double>(kHeldDepth * thin) ? first : TimeOfImpact{kNoImpact, first.at};
-  }
   const double allowed = static_cast<double>(kHeldInSurface * thin),
                more = static_cast<double>(kDeeperYetAtRest * thin);
   const auto impactWith = [&](const Placed& triangle, const Vec3d& up) {
@@ -55,6 +48,20 @@ RUBBLE_HD inline TimeOfImpact timeOfImpactUnpaired(const PlacedAny& part, const 
   };
   return timeOfImpactWithTriangles(other, otherMotion, convex, motion, {tolerance, true, allowed},
                                    impactWith);
+}
+/// The same for any parts. Convex ones stop at any touch if `anyTouch` is set.
+RUBBLE_HD inline TimeOfImpact timeOfImpactUnpaired(const PlacedAny& part, const SweptMotion& motion,
+                                                   const PlacedAny& other, const SweptMotion& otherMotion,
+                                                   double tolerance, bool anyTouch) {
+  const ShapeTables& tables = part.tables;
+  const Real thin = thinner(innerRadiusOf(tables, part.shape), innerRadiusOf(tables, other.shape));
+  if (isSurface(part.shape.kind) || isSurface(other.shape.kind))
+    return timeOfImpactWithSurface(part, motion, other, otherMotion, tolerance, thin);
+  const Placed convex = asConvex(part), its = asConvex(other);
+  const TimeOfImpact first = timeOfImpact(convex, motion, its, otherMotion, tolerance);
+  if (first.fraction > 1 || anyTouch) return first;
+  const double gap = gapAlong(movedBy(convex, motion, 1), movedBy(its, otherMotion, 1), first.at.n);
+  return gap < -static_cast<double>(kHeldDepth * thin) ? first : TimeOfImpact{kNoImpact, first.at};
 }
 
 /// The normal of timeOfImpactUnpaired(), from the part to the other one.
@@ -156,16 +163,16 @@ struct FindUnpairedImpacts {
   RUBBLE_HD static int shareBits(double fraction) { return floatBits(static_cast<Real>(1 - fraction)); }
 
   /// May body i meet a body with which it has no pair? `limit`: later impacts may be left out.
-  RUBBLE_HD static bool mayStop(const SolverData& s, int i, const SweptMotion& motion, int other,
-                                double limit) {
-    if (other == i || !mayMeet(s, i, other, motion, motionIn(s, other), limit)) return false;
-    if (isSensor(s, other) || !mayCollide(s, i, other)) return false;
+  RUBBLE_HD RUBBLE_OUT_OF_LINE static bool mayStop(const SolverData& s, int i, const SweptMotion& motion,
+                                                   int other, double limit) {
     // primitive partners have a pair; parts of others may be too far apart for one
-    return !isPrimitivePair(s, i, other) || !arePartners(s, i, other);
+    if (other == i || (isPrimitivePair(s, i, other) && arePartners(s, i, other))) return false;
+    return !isSensor(s, other) && mayCollide(s, i, other) &&
+           mayMeet(s, i, other, motion, motionIn(s, other), limit);
   }
   /// Fraction of its motion after which body i meets `other`.
-  RUBBLE_HD static double timeOfImpactWithBody(const SolverData& s, int i, const SweptMotion& motion,
-                                               int other) {
+  RUBBLE_HD RUBBLE_OUT_OF_LINE static double timeOfImpactWithBody(const SolverData& s, int i,
+                                                                  const SweptMotion& motion, int other) {
     const ShapeData &own = s.params[i].shape, &its = s.params[other].shape;
     const bool surface = isSurface(own.kind) || isSurface(its.kind);
     const int ownParts = parts::count(s, own), itsParts = parts::count(s, its);
