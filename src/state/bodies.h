@@ -317,6 +317,8 @@ inline constexpr int kCellOrigin = 1 << 30;
 /// A level with at most this many bodies keeps them in a list, so that queries need not visit many cells to
 /// find a few bodies.
 inline constexpr int kListedBodies = 8;
+/// At most so many bodies search for neighbors in many cells at a time (stages/pairs/lasting_search.h).
+inline constexpr int kMostCoarse = 8;
 
 /// Counters of a step. A `required` counter may exceed its capacity; the tables then grow and the step runs
 /// again.
@@ -327,6 +329,7 @@ struct Counters {
   int allSearch;  ///< 1: all bodies search in this step, however many searchers there are
   int searched;   ///< bodies that search: the searchers, or all
   int crowded;    ///< bodies with more neighbors than slots
+  int coarse, coarseBody[kMostCoarse];  ///< searchers that visit many cells, unless all search
   int contacts, recycled, newPairs, tested;
   int aggregates, slices, boundary;
   int clashing, clashes, rounds;  ///< nodes that need a new color, color conflicts left, and coloring rounds

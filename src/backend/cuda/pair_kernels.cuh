@@ -37,14 +37,22 @@ template <class Search, int kTile> struct SearchByTile {
   }
 };
 /// FindNeighbors with as many lanes for a body as the number of searches leaves room for: the fewer, the
-/// longer one would take alone.
+/// longer one would take alone. Coarse bodies have lanes of several blocks, the last ones, which have the
+/// fewest of the others.
 static __global__ void __launch_bounds__(kThreads)
     findNeighbors(const __grid_constant__ SolverData s, Gate gate) {
   gate.enter([&] {
+    constexpr int kCoarseLanes = 1024;
     const int n = s.counters->searched, threads = static_cast<int>(gridDim.x * blockDim.x),
               thread = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
-              lanes = lanesFor<1, 2, 8, kWarp>(n, threads);
-    for (int k = thread / lanes; k < n; k += threads / lanes) FindNeighbors{}(s, k, thread % lanes, lanes);
+              fromLast = threads - 1 - thread, lanes = lanesFor<1, 2, 8, kWarp>(n, threads);
+    const bool all = allSearch(s);
+    for (int k = thread / lanes; k < n; k += threads / lanes)
+      if (const int i = all ? k : s.searcher[k]; all || !isCoarse(s, s.bounds[i]))
+        FindNeighbors::find(s, i, all, thread % lanes, lanes);
+    const int coarse = all || fromLast >= kCoarseLanes ? 0 : s.counters->coarse;
+    for (int k = 0; k < coarse; ++k)
+      FindNeighbors::find(s, s.counters->coarseBody[k], all, fromLast, min(threads, kCoarseLanes));
   });
 }
 /// FindNeighbors where there are many worlds. A block copies the boxes of the worlds of its bodies to shared
@@ -200,7 +208,7 @@ class PairSearch {
  public:
   /// Of a body whose neighbors are all in slots.
   template <int kWidth> __device__ static void findFew(const SolverData& s, int i, const Tile<kWidth>& tile) {
-    const int near = s.bounds[i].level >= 0 ? neighborsOf(s, i) : 0;
+    const int near = neighborsOf(s, i);
     if (near > kPairSlots) return;
     const int* const slots = s.pairSlot + i * kPairSlots;
     std::uint32_t partners = 0;
@@ -208,12 +216,11 @@ class PairSearch {
       const int k = base + tile.lane;
       partners |= tile.ballot(k < near && FindPairs<false>::isPartner(s, i, slots[k])) << base;
     }
-    if (tile.lane == 0) finish(s, i, near, partners, __popc(partners));
+    if (tile.lane == 0) finish(s, i, partners, __popc(partners));
   }
   /// Of a crowded body, whose cells are searched again.
   __device__ static void findMany(const SolverData& s, int i, const Tile<kWarp>& tile) {
-    const int near = s.bounds[i].level >= 0 ? neighborsOf(s, i) : 0;
-    if (near <= kPairSlots) return;
+    if (neighborsOf(s, i) <= kPairSlots) return;
     int* const slots = s.pairSlot + i * kPairSlots;
     const WarpCounter partners(tile);
     searchPartners(
@@ -223,14 +230,15 @@ class PairSearch {
         },
         tile.lane, kWarp);
     const int count = partners.total();
-    if (tile.lane == 0)
-      finish(s, i, near, static_cast<std::uint32_t>((1ull << min(count, kPairSlots)) - 1), count);
+    if (tile.lane == 0) finish(s, i, static_cast<std::uint32_t>((1ull << min(count, kPairSlots)) - 1), count);
   }
 
  private:
-  __device__ static void finish(const SolverData& s, int i, int near, std::uint32_t partners, int count) {
-    s.neighborSearch[i].found = near, s.neighborSearch[i].partners = partners;
-    s.pairCount[i] = count;
+  __device__ static int neighborsOf(const SolverData& s, int i) {
+    return s.bounds[i].level >= 0 ? s.neighborSearch[i].found : 0;
+  }
+  __device__ static void finish(const SolverData& s, int i, std::uint32_t partners, int count) {
+    s.neighborSearch[i].partners = partners, s.pairCount[i] = count;
   }
 };
 template <int kWidth>

@@ -44,10 +44,10 @@ struct GivePartners : PeerKernel {
   template <class Add> RUBBLE_HD void give(const SolverData& s, int i, Add&& add) const {
     // others add to the counters of bodies at home
     if (p.home().has(i)) return;
-    const int found = s.pairCount[i];
+    const int found = s.neighborSearch[i].found;
     if (found == 0) return;
     const PeerTables to = peerTables(p, p.homeOf(i));
-    const int first = add(&to.s.pairCount[i], found);
+    const int first = add(&to.s.neighborSearch[i].found, found);
     if (crowds(first, found)) to.put(to.s.crowdedBody[add(&to.s.counters->crowded, 1)], i);
     for (int k = 0; k < min(found, kPairSlots - first); ++k)
       to.put(to.s.pairSlot[i * kPairSlots + first + k], s.pairSlot[i * kPairSlots + k]);

@@ -217,7 +217,7 @@ RUBBLE_HD constexpr bool crowds(int before, int more) {
 /// the finer cells. The first kPairSlots are stored, in no fixed order.
 RUBBLE_HD inline void storeNeighbor(const SolverData& s, int i, int other, bool otherOwns) {
   const int owner = otherOwns ? other : i;
-  const int slot = atomicCount(&s.pairCount[owner], 1);
+  const int slot = atomicCount(&s.neighborSearch[owner].found, 1);
   if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
   if (crowds(slot, 1)) listCrowded(s, owner);
 }
@@ -237,7 +237,10 @@ struct FindNeighbors {
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int k, int lane, int lanes) const {
     const bool all = allSearch(s);
-    const int i = all ? k : s.searcher[k];
+    find(s, all ? k : s.searcher[k], all, lane, lanes);
+  }
+  /// For body i. `all`: all bodies search.
+  RUBBLE_HD static void find(const SolverData& s, int i, bool all, int lane, int lanes) {
     if (!isInGrid(s, i)) return;
     const Bounds& b = s.bounds[i];
     if (isLongLevel(b.level)) return;
@@ -280,7 +283,8 @@ struct FindPathNeighbors {
 template <bool kParts> struct FindPairs {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const int found = neighborsOf(s, i);
+    NeighborSearch& search = s.neighborSearch[i];
+    const int found = search.found;
     std::uint32_t marked = 0;
     int count = 0;
     if (s.bounds[i].level >= 0) {
@@ -302,8 +306,7 @@ template <bool kParts> struct FindPairs {
           if (isPartner(s, i, slots[k])) take(slots[k], k);
       }
     }
-    NeighborSearch& search = s.neighborSearch[i];
-    search.found = found, search.partners = marked;
+    search.partners = marked;
     s.pairCount[i] = count;
   }
   /// Is a neighbor of a body in the grid its partner?

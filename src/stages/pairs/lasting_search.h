@@ -17,15 +17,16 @@ inline constexpr Real kSearchSlack = Real(1) / 16;
 RUBBLE_HD inline Real searchSlack(int level) { return kSearchSlack * cellSize(level); }
 /// Share of the slack that a box must keep to the one of its search: far more than round-off [1].
 inline constexpr Real kSlackKept = Real(.25);
-/// The box of a search lies within that of its body and this number of slacks: else it holds no longer,
-/// although the body is within. At most [1].
+/// The box of a search may reach beyond that of its body by this number of slacks, else it does not hold
+/// either: bodies that search alone look that far for it [1].
 inline constexpr Real kMostSlacks = 2;
 /// Steps that a search must last to be worth its slack.
 inline constexpr Real kLeastSteps = 4;
 /// Of so many bodies one may search alone. If more do, all search, which is cheaper: each pair is then looked
 /// for from one side.
 inline constexpr int kBodiesPerSearcher = 4;
-/// A body that finds bodies in cells so many levels finer would visit too many: then all search.
+/// A body that finds bodies in cells more levels finer than this visits many. A few such bodies search for
+/// themselves; if there are more, all search.
 inline constexpr int kFinerLevels = 3;
 
 /// Does a body with these bounds move so far in a step that a search would not last?
@@ -90,8 +91,9 @@ RUBBLE_HD inline bool searchHolds(const SolverData& s, int i, const NeighborSear
   return moved.x + moved.y + moved.z == Real(0);
 }
 
-/// Would a body with these bounds visit too many cells if it searched for itself?
+/// Does a body with these bounds visit many cells if it searches for itself?
 RUBBLE_HD inline bool isCoarse(const SolverData& s, const Bounds& b) {
+  if (isLongLevel(b.level)) return false;
   for (int level = 0; level < sizeOf(b.level) - kFinerLevels; ++level)
     if (s.counters->levelCount[level] > kListedBodies) return true;
   return false;
@@ -121,9 +123,18 @@ struct BeginSearches {
     beginSearch(s, i);
     const Bounds& b = s.bounds[i];
     // where there are many worlds some body always searches; a plane may meet all bodies
-    const bool withAll = s.worlds > 1 || (b.level < 0 ? search.layer != kOutside : isCoarse(s, b));
+    const bool withAll = s.worlds > 1 || (b.level < 0 && search.layer != kOutside) ||
+                         (isCoarse(s, b) && !listCoarse(s, i));
     if (withAll && atomicLoad(&s.counters->allSearch) == 0) atomicRaise(&s.counters->allSearch, 1);
     if (!allSearch(s)) s.searcher[atomicCount(&s.counters->searchers, 1)] = i;
+  }
+
+ private:
+  /// Returns whether there was room.
+  RUBBLE_HD static bool listCoarse(const SolverData& s, int i) {
+    const int k = atomicCount(&s.counters->coarse, 1);
+    if (k < kMostCoarse) s.counters->coarseBody[k] = i;
+    return k < kMostCoarse;
   }
 };
 
@@ -137,31 +148,33 @@ struct ForgetSearchers {
       s.counters->searched = all ? s.bodies : s.counters->searchers;
       if (all) s.counters->crowded = 0;
     }
-    const bool isNew = s.neighborSearch[i].isNew != 0;
-    if (all && !isNew) beginSearch(s, i);
-    s.pairCount[i] = all || isNew ? 0 : forget(s, i, s.neighborSearch[i].found);
+    NeighborSearch& search = s.neighborSearch[i];
+    if (search.isNew != 0) return;
+    if (all)
+      beginSearch(s, i);
+    else
+      forget(s, i, search);
   }
 
  private:
-  /// Returns the number of neighbors that are left.
-  RUBBLE_HD static int forget(const SolverData& s, int i, int found) {
-    if (found > kPairSlots) return found;
+  RUBBLE_HD static void forget(const SolverData& s, int i, NeighborSearch& search) {
+    if (search.found > kPairSlots) {
+      // of those without a slot only that there are some is known
+      search.found = kPairSlots + 1;
+      return;
+    }
     int* const slots = s.pairSlot + i * kPairSlots;
     int left = 0;
-    for (int k = 0; k < found; ++k) {
+    for (int k = 0; k < search.found; ++k) {
       const int other = slots[k];
       if (s.neighborSearch[other].isNew != 0) continue;
       if (left != k) slots[left] = other;
       ++left;
     }
-    return left;
+    if (left != search.found) search.found = left;
   }
 };
 
-/// Neighbors that the last searches have found for a body, before pairs of the step are counted in pairCount.
-RUBBLE_HD inline int neighborsOf(const SolverData& s, int i) {
-  return s.counters->searched != 0 ? s.pairCount[i] : s.neighborSearch[i].found;
-}
 /// Are two bodies neighbors?
 RUBBLE_HD inline bool searchesMeet(const SolverData& s, int i, int j) {
   return boundsTouch(s.neighborSearch[i], s.neighborSearch[j]);
