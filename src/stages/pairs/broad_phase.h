@@ -247,6 +247,8 @@ struct FindNeighbors {
     const int world = s.worldOf(i);
     const NeighborSearch& own = s.neighborSearch[i];
     const StoreFound store{i, b.level};
+    // boxes of searches that begin together reach one slack beyond those of the bodies
+    const Real slacks = all ? Real(1) : kMostSlacks;
     const bool scanned = scanWorld(
         s, world,
         [&](int other, const Bounds& its) {
@@ -256,7 +258,7 @@ struct FindNeighbors {
     for (int level = all ? b.level : 0; !scanned && level < kGridSizes; ++level) {
       const bool inPlace = all && level == b.level;
       searchLevel(
-          s, i, searchBox(s, b, own, level), level, inPlace ? Ahead::InPlace : Ahead::All,
+          s, i, searchBox(s, b, own, level, slacks), level, inPlace ? Ahead::InPlace : Ahead::All,
           [&](int other) {
             if (!inPlace) return store(s, other, level);
             if (searchesMeet(s, i, other)) storeNeighbor(s, i, other, other < i);

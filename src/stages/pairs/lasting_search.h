@@ -38,9 +38,10 @@ RUBBLE_HD inline Real slackNow(const SolverData& s, const Bounds& b) {
   return s.searchesAlways || isRestless(b) ? Real(0) : searchSlack(b.level);
 }
 /// The box in which a body with a search finds all bodies of a level that are its neighbors, and others.
-RUBBLE_HD inline Bounds searchBox(const SolverData& s, const Bounds& b, const NeighborSearch& own,
-                                  int level) {
-  const Real slack = s.searchesAlways ? Real(0) : kMostSlacks * searchSlack(level);
+/// `slacks`: by so many the boxes of their searches may reach beyond those of the bodies [1].
+RUBBLE_HD inline Bounds searchBox(const SolverData& s, const Bounds& b, const NeighborSearch& own, int level,
+                                  Real slacks) {
+  const Real slack = s.searchesAlways ? Real(0) : slacks * searchSlack(level);
   Bounds box = b;
   box.center = own.center, box.half = own.half + Vec3{slack, slack, slack};
   return box;
@@ -51,21 +52,19 @@ RUBBLE_HD inline Bounds searchBox(const SolverData& s, const Bounds& b, const Ne
 inline constexpr int kOutside = -1, kPlanes = -2;
 /// What a search for the neighbors of body or plane i depends on in this step.
 RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i) {
+  NeighborSearch search{};
+  search.layer = kOutside, search.bodies = s.bodies, search.isNew = 1;
   const Bounds& b = loadUnchanging(s.bounds[i]);
   if (b.level >= 0) {
     const Real slack = slackNow(s, b);
-    return {b.center, layerOf(s.worldOf(i), b.level), b.half + Vec3{slack, slack, slack}, s.bodies, 0, 0, 1};
+    search.layer = layerOf(s.worldOf(i), b.level);
+    search.center = b.center, search.half = b.half + Vec3{slack, slack, slack};
+  } else if (const BodyParams& p = s.params[i];
+             p.kind != BodyKind::Removed && p.shape.kind == ShapeKind::Plane) {
+    search.layer = kPlanes - s.worldOf(i);
+    search.center = Vec3(s.position[i]), search.half = rotate(s.orientation[i], Vec3{0, 0, 1});
   }
-  const BodyParams& p = s.params[i];
-  if (p.kind == BodyKind::Removed || p.shape.kind != ShapeKind::Plane)
-    return {{0, 0, 0}, kOutside, {0, 0, 0}, s.bodies, 0, 0, 1};
-  return {Vec3(s.position[i]),
-          kPlanes - s.worldOf(i),
-          rotate(s.orientation[i], Vec3{0, 0, 1}),
-          s.bodies,
-          0,
-          0,
-          1};
+  return search;
 }
 /// Begins a search for the neighbors of body or plane i.
 RUBBLE_HD inline void beginSearch(const SolverData& s, int i) {
