@@ -35,6 +35,11 @@ struct AnyKernel {
   RUBBLE_HD void operator()(const SolverData&, int) const {}
 };
 
+/// Stands for any sequence of operations.
+struct AnySequence {
+  void operator()() const {}
+};
+
 /// When a kernel of rounds() runs: after the preceding one, or beside it because they share no data, or once
 /// at the end.
 enum class When { Next, Beside, AtEnd };
@@ -78,6 +83,10 @@ struct Rounds {
 ///                                  `turn`, then runs all others in order, until they leave `left` at zero.
 ///                                  If there was a round, those AtEnd follow. To an observer it is one
 ///                                  kernel: how many rounds it has may depend on the order of elements
+///   together(first, second)        two sequences of operations of which neither reads what the other one
+///                                  writes; they may run concurrently. To an observer one follows the other
+///   signal(), awaitSignal()        the second one may read what the first one has written before signal(),
+///                                  from awaitSignal() on
 ///   aliasRows()                    contact rows reuse the memory of the old manifolds
 ///   swapManifolds()                manifolds of this step become the old ones of the next
 ///   Lane                           Real or Real4: the number of contact points that one call processes
@@ -103,6 +112,9 @@ concept Executor = requires(E e, const E& still, const SolveBody<typename E::Lan
   e.rounds(Rounds{&Counters::clashes, &Counters::rounds}, phase(AnyKernel{}, &Counters::clashing),
            phase(AnyKernel{}, &Counters::clashing), phase<When::AtEnd>(AnyKernel{}, 1));
   e.forEachColor(body, vertex);
+  e.together(AnySequence{}, AnySequence{});
+  e.signal();
+  e.awaitSignal();
   e.aliasRows();
   e.swapManifolds();
 };

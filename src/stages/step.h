@@ -31,8 +31,8 @@ template <Executor E> void clear(E& e) {
 /// their initial guess.
 template <Executor E> void prepare(E& e) {
   clear(e);
-  bodies::predict(e);
   pairs::find(e);
+  bodies::predict(e);
   soft::findPairs(e);
   islands::wake(e);
   contacts::prepare(e);
@@ -41,12 +41,21 @@ template <Executor E> void prepare(E& e) {
   clusters::prepare(e);
   trees::prepare(e);
   coarse::findAggregates(e);
-  bodies::findIncidence(e);
-  columns::find(e);
-  trees::findSoftTrees(e);
-  bodies::color(e);
+  e.together(
+      [&] {
+        bodies::findIncidence(e);
+        e.signal();
+        columns::find(e);
+        trees::findSoftTrees(e);
+        bodies::color(e);
+        islands::findFree(e);
+      },
+      [&] {
+        coarse::listAggregates(e);
+        e.awaitSignal();
+        coarse::findBoundaries(e);
+      });
   soft::predict(e);
-  coarse::prepare(e);
   clusters::prepare(e);
 }
 
@@ -67,13 +76,12 @@ template <Executor E> void iterate(E& e, int n, bool last) {
 
 /// Computes velocities and stores the state that persists to the next step.
 template <Executor E> void finish(E& e) {
-  contacts::finish(e);
   soft::keepApart(e);
   joints::finish(e);
   soft::finishRows(e);
+  contacts::finish(e);
   ccd::stop(e);
   bounces::find(e);
-  islands::findFree(e);
   bodies::finish(e);
   bounces::act(e);
   trees::finish(e);

@@ -214,7 +214,7 @@ TEST_F(Lockstep, NamesStepTableAndElementOfAPlantedDifference) {
   EXPECT_EQ(step(), "");
   b().color[7] += 1;
   EXPECT_EQ(step(),
-            "step 1, stage predict, kernel PredictBodies, table color, element 7, byte 0: 00000001 beside "
+            "step 1, stage bounds, kernel ComputeBounds, table color, element 7, byte 0: 00000001 beside "
             "00000002");
 }
 

@@ -134,6 +134,13 @@ class CpuExecutor {
     }
   }
 
+  template <class First, class Second> void together(First&& first, Second&& second) {
+    first();
+    second();
+  }
+  void signal() {}
+  void awaitSignal() {}
+
   void aliasRows() { tables_.aliasRows(); }
   void swapManifolds() {
     if (division_) division_->share(Share::Counts, 0);

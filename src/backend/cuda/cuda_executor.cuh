@@ -2,7 +2,6 @@
 /// The executor for CUDA: the step as kernels of one stream. Every call enqueues work and returns. Counts
 /// stay on the device.
 #include <algorithm>
-#include <limits>
 
 #include "backend/cuda/aggregate_kernels.cuh"
 #include "backend/cuda/cluster_kernels.cuh"
@@ -39,10 +38,11 @@ class CudaExecutor : private ScanLauncher {
   /// Divides steps among GPUs; null: this device runs all of a step.
   void divide(CudaPeers* peers) {
     peers_ = peers;
+    inOrder_ = peers != nullptr;
     if (peers) peers->use(*this);
   }
 
-  const Control* control() const { return control_; }
+  const Controls* controls() const { return reinterpret_cast<const Controls*>(control_); }
   /// Returns whether the number of elements of this kind is counted on the device.
   bool counted(Per per) const { return counted_[static_cast<int>(per)]; }
   std::size_t scratchBytes() const {
@@ -52,9 +52,7 @@ class CudaExecutor : private ScanLauncher {
   /// Allocates scratch memory for the scans and sorts of a step, which must not allocate.
   void reserveScratch() {
     beginSizes();
-    EnqueueOptions nothing;
-    nothing.from = std::numeric_limits<int>::max();
-    if (walk(nothing)) tables_.swapManifolds();
+    if (walk(EnqueueOptions::none())) tables_.swapManifolds();
     reserveSizes();
     tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Slice)) * kSumLevels);
     colorBins_.reserve(sizeof(int) * kBins);
@@ -73,7 +71,10 @@ class CudaExecutor : private ScanLauncher {
   }
 
   // Executor interface.
+  using KernelLauncher::awaitSignal;
   using KernelLauncher::observe;
+  using KernelLauncher::signal;
+  using KernelLauncher::together;
   using KernelLauncher::view;
   using ScanLauncher::clear;
   using ScanLauncher::groupByKey;

@@ -9,24 +9,24 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// Number of launches to enqueue for a count that only the device knows: the recent maximum and a margin.
+/// Number of launches to enqueue for a count that only the device knows. What exceeds it shares a launch.
 class Bound {
  public:
   explicit Bound(int limit) : limit_(limit) {}
   int limit() const { return limit_; }
   /// Records the number that a step needed. A change costs a graph capture, so the bound grows with a margin
-  /// and shrinks late.
+  /// and shrinks late, to the recent maximum.
   void note(int used) {
     seen_ = std::max(seen_, used);
     if (used > limit_) limit_ = used + std::max(kSpare, used / kGrowth);
     if (++steps_ < kWindow) return;
-    if (seen_ + kMostIdle < limit_) limit_ = seen_ + kSpare;
+    if (seen_ + kMostIdle < limit_) limit_ = seen_;
     seen_ = steps_ = 0;
   }
 
  private:
   static constexpr int kWindow = 64;   ///< [steps]
-  static constexpr int kSpare = 1;     ///< launches beyond the recent maximum
+  static constexpr int kSpare = 1;     ///< least growth
   static constexpr int kGrowth = 4;    ///< growth by a quarter
   static constexpr int kMostIdle = 2;  ///< this many empty launches cost less than a capture
   int limit_, seen_ = 0, steps_ = 0;
@@ -105,9 +105,16 @@ class StepGraph {
 
 /// The part of a step's result that is copied to the host.
 struct StepStatus {
-  Control control;
+  Controls controls;
   Counters counters;
 };
+/// The first operation that a stopped step has not performed.
+EnqueueOptions restOf(const Controls& c) {
+  EnqueueOptions rest;
+  rest.from = c.main.stop - 1;
+  rest.fromBeside = c.beside.stop != 0 ? c.beside.stop - 1 : EnqueueOptions::kNone;
+  return rest;
+}
 
 /// Color launches before the first step of a scene.
 constexpr int kFirstColors = 16;
@@ -118,26 +125,28 @@ struct CudaStepper::Impl {
   explicit Impl(const CudaOptions& options)
       : executor{tables, stream.get(), options.processors}, timings(options.timings) {}
 
-  /// Enqueues the step from operation `from` on. Afterwards the host's table pointers are those before the
-  /// step.
-  void enqueue(int from, Timeline* timeline, bool captured) {
+  /// Enqueues the step, or what a stopped one has not performed. Afterwards the host's table pointers are
+  /// those before the step.
+  void enqueue(EnqueueOptions options, Timeline* timeline, bool captured) {
     if (timeline) timeline->clear();
-    swaps = executor.enqueue({from, colors.limit(), timings ? timeline : nullptr, captured});
+    options.colors = colors.limit(), options.timeline = timings ? timeline : nullptr;
+    options.captured = captured;
+    swaps = executor.enqueue(options);
     if (swaps) tables.swapManifolds();
     const auto copy = [&](void* to, const void* what, std::size_t bytes) {
       checkCuda(cudaMemcpyAsync(to, what, bytes, cudaMemcpyDeviceToHost, stream.get()), "cudaMemcpyAsync");
     };
-    copy(&status->control, executor.control(), sizeof(Control));
+    copy(&status->controls, executor.controls(), sizeof(Controls));
     copy(&status->counters, tables.view().counters, sizeof(Counters));
   }
 
   /// Enqueues the step from an operation on, up to the one that stops it.
-  void enqueueObserved(int from) {
+  void enqueueObserved(const EnqueueOptions& options) {
     try {
-      enqueue(from, &direct, false);
+      enqueue(options, &direct, false);
     } catch (const StepStopped&) {
-      checkCuda(cudaMemcpyAsync(&status->control, executor.control(), sizeof(Control), cudaMemcpyDeviceToHost,
-                                stream.get()),
+      checkCuda(cudaMemcpyAsync(&status->controls, executor.controls(), sizeof(Controls),
+                                cudaMemcpyDeviceToHost, stream.get()),
                 "cudaMemcpyAsync");
     }
     wait();
@@ -161,16 +170,16 @@ struct CudaStepper::Impl {
     if (!holds) executor.reserveScratch();
     if (peers) reservePeers();
     if (observer) {
-      enqueueObserved(0);
+      enqueueObserved({});
       return direct;
     }
     if (!holds && (!graph.seen(now) || (peers && !peers->captured()))) {
-      enqueue(0, &direct, false);
+      enqueue({}, &direct, false);
       wait();
       return direct;
     }
     if (!holds) {
-      graph.capture(now, stream.get(), [&](Timeline& timeline) { enqueue(0, &timeline, true); });
+      graph.capture(now, stream.get(), [&](Timeline& timeline) { enqueue({}, &timeline, true); });
       if (peers) awaitGraphs(graph);
     }
     graph.launch(stream.get());
@@ -266,7 +275,7 @@ bool CudaStepper::gatherState(const SolverData& host) {
     m.executor.beginWork();
     m.peers->gatherState();
     m.executor.endWork();
-    checkCuda(cudaMemcpyAsync(&control, m.executor.control(), sizeof control, cudaMemcpyDeviceToHost,
+    checkCuda(cudaMemcpyAsync(&control, &m.executor.controls()->main, sizeof control, cudaMemcpyDeviceToHost,
                               m.stream.get()),
               "cudaMemcpyAsync");
     m.wait();
@@ -304,14 +313,19 @@ Counters CudaStepper::step(const SolverData& host, StepReport& report) {
 
   const Timeline* timeline = &m.runWhole();
   if (m.timings) timeline->addTo(report.stages);
-  while (m.status->control.stop != 0) {
-    const Control control = m.status->control;
-    report.grown.push_back({m.makeRoom(control), control.needed});
+  while (m.status->controls.main.stop != 0) {
+    const Controls stopped = m.status->controls;
+    const auto makeRoom = [&](const Control& control) {
+      report.grown.push_back({m.makeRoom(control), control.needed});
+    };
+    makeRoom(stopped.main);
+    if (stopped.beside.stop != 0 && stopped.beside.stop != stopped.main.stop) makeRoom(stopped.beside);
     ++report.restarts;
+    const EnqueueOptions rest = restOf(stopped);
     if (m.observer) {
-      m.enqueueObserved(control.stop - 1);
+      m.enqueueObserved(rest);
     } else {
-      m.enqueue(control.stop - 1, &m.direct, false);
+      m.enqueue(rest, &m.direct, false);
       m.wait();
     }
     if (m.timings) m.direct.addTo(report.stages);
@@ -325,7 +339,7 @@ Counters CudaStepper::step(const SolverData& host, StepReport& report) {
   }
   if (m.peers) m.peers->hasStepped();
   const Counters counters = m.status->counters;
-  m.colors.note(m.status->control.wideColors);
+  m.colors.note(m.status->controls.main.wideColors);
   return counters;
 }
 

@@ -18,10 +18,19 @@ namespace rubble::RUBBLE_CORE {
 
 /// First operation, timing, and whether a graph is being captured.
 struct EnqueueOptions {
-  int from = 0;                  ///< first operation to enqueue
+  static constexpr int kNone = std::numeric_limits<int>::max();  ///< no operation
+  int from = 0;                                                  ///< first operation to enqueue
+  int fromBeside = 0;            ///< the same for a sequence beside another one, if it is later
   int colors = 0;                ///< number of color launches
   Timeline* timeline = nullptr;  ///< for stage times; may be null
   bool captured = false;
+
+  static EnqueueOptions none() {
+    EnqueueOptions options;
+    options.from = kNone;
+    return options;
+  }
+  bool any() const { return from != kNone; }
 };
 
 /// Thrown out of a step that is observed when a table is too small.
@@ -82,6 +91,31 @@ class KernelLauncher {
   /// Returns whether the present operation is enqueued.
   bool begun() const { return operation_ > options_.from; }
   int operation() const { return operation_ - 1; }
+
+  /// Enqueues two sequences of operations, the second one in a stream of its own. Each has a control, so that
+  /// one goes on if the other one stops. Clocks of stages would not know whose time they take, so with them,
+  /// as for an observer, one follows the other.
+  template <class First, class Second> void together(First&& first, Second&& second) {
+    if (!options_.any() || inOrder_ || observer_ || options_.timeline) return first(), second();
+    forked_ = true;
+    tell(begun_);
+    first();
+    flush();
+    runBeside([&] {
+      follow(begun_, control_ - 1);
+      second();
+      tell(ended_);
+    });
+    follow(ended_, control_ + 1);
+    forked_ = false;
+  }
+  /// Of the first sequence of together(), and of the second one.
+  void signal() {
+    if (forked_) tell(signaled_);
+  }
+  void awaitSignal() {
+    if (forked_) follow(signaled_, control_ - 1);
+  }
 
   void announce(const char* stage, std::string_view kernel) {
     if (!observer_ || operation_ < options_.from) return;
@@ -216,21 +250,44 @@ class KernelLauncher {
     afterKernel_ = false;
   }
 
+  /// What work() enqueues belongs to the second sequence.
+  template <class Work> void runBeside(Work&& work) {
+    const cudaStream_t stream = std::exchange(stream_, streamBeside_.get());
+    const int from = std::exchange(options_.from, std::max(options_.from, options_.fromBeside));
+    ++control_;
+    work();
+    --control_, options_.from = from, stream_ = stream;
+  }
+  /// An event of one sequence, for which the other one waits. It stops there if the former has stopped.
+  void tell(const StreamEvent& event) {
+    flush();
+    event.record(stream_);
+  }
+  void follow(const StreamEvent& event, const Control* its) {
+    flush();
+    event.holdBack(stream_);
+    afterKernel_ = false;
+    launchNext(passStopOn, {1, 1}, "stop", its, control_);
+  }
+
   Count countOf(int n) const { return {n, nullptr}; }
   Count countOf(int Counters::*c) const { return {0, counter(c)}; }
   /// `number`: of the phase among those of a launch.
   template <class P> GridPhase<typename P::Kernel, P::kWhen> onGrid(const P& phase, int number = 0) const {
-    return {{phase.kernel}, countOf(phase.count), reinterpret_cast<int*>(control_ + 1) + number};
+    int* const claimed = reinterpret_cast<int*>(cleared_.data() + sizeof(Controls));
+    return {{phase.kernel}, countOf(phase.count), claimed + number};
   }
 
   DeviceTables& tables_;
   cudaStream_t stream_;
-  /// In cleared_: the control, and what phases of a cooperative launch have claimed.
+  Stream streamBeside_;
+  StreamEvent begun_, signaled_, ended_;  ///< of together()
+  /// In cleared_: the controls, and what phases of a cooperative launch have claimed.
   static constexpr int kMostPhases = 12;
-  static constexpr std::size_t kFirstCleared = sizeof(Control) + kMostPhases * sizeof(int);
+  static constexpr std::size_t kFirstCleared = sizeof(Controls) + kMostPhases * sizeof(int);
   DeviceBuffer cleared_;
   std::size_t clearedBytes_ = 0;
-  Control* control_ = nullptr;  ///< first in cleared_
+  Control* control_ = nullptr;  ///< of the sequence that is being enqueued; the main one is first in cleared_
   Clears clears_;               ///< of clearNext()
   RoomCheck check_;             ///< of checkNext()
   EnqueueOptions options_;
@@ -239,7 +296,8 @@ class KernelLauncher {
   int perOf_[sizeof(Counters) / sizeof(int)];  ///< kind that a counter counts, or -1
   bool counted_[kPerCount] = {};               ///< kinds for which steps require room
   const char* stage_ = nullptr;
-  bool beside_ = false;
+  bool beside_ = false, forked_ = false;
+  bool inOrder_ = false;  ///< other devices take part in operations, whose order therefore matters
   int processors_ = 1, maxBlocks_ = 1;
   bool launchesEarly_ = false;  ///< the device supports programmatic dependent launch
   bool afterKernel_ = false;    ///< the last operation in the stream is a kernel of this class

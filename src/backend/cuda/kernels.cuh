@@ -18,6 +18,10 @@ struct Control {
   int needed;      ///< elements needed
   int wideColors;  ///< colors up to the last that is worth a launch
 };
+/// Of a sequence of operations, and of the one that runs beside it for a while (KernelLauncher::together).
+struct Controls {
+  Control main, beside;
+};
 /// Control::lacking of a step that another device does not answer. Control::needed is its rank.
 inline constexpr int kLostPeer = -1;
 
@@ -78,6 +82,12 @@ template <class Kernel> __device__ int elementOf(const Count& n, int k) {
       return numberInGroups({n.list[at.joint], at.part}, n.joints, n.parts);
     }
   return n.list ? n.list[k] : k;
+}
+
+/// Stops a sequence of operations if another one has stopped.
+static __global__ void passStopOn(const Control* from, Control* to) {
+  awaitPrevious();
+  if (from->stop != 0 && to->stop == 0) *to = *from;
 }
 
 __device__ inline void lack(Control* control, int operation, int lacking, int needed) {

@@ -80,9 +80,14 @@ template <class F> struct JointBlocks {
     }
   }
   RUBBLE_HD static int joinLevel(const SolverData& s, int i) {
+    const int level = rigidLevel(s, i);
+    return level < kCoarseLevels && inExactTree(s, s.specsOf<F>()[i].a) ? kCoarseLevels : level;
+  }
+  /// The same, were no tree solved exactly.
+  RUBBLE_HD static int rigidLevel(const SolverData& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
-    if (!spec.isRigid || spec.a == kWorldBody || spec.b == kWorldBody) return kCoarseLevels;
-    return inExactTree(s, spec.a) ? kCoarseLevels : s.jointsOf<F>()[i].sharedLevel;
+    const bool unites = spec.isRigid && spec.a != kWorldBody && spec.b != kWorldBody;
+    return unites ? s.jointsOf<F>()[i].sharedLevel : kCoarseLevels;
   }
 };
 

@@ -9,7 +9,7 @@ namespace rubble::RUBBLE_CORE::bodies {
 
 template <Executor E> void clear(E& e) { e.clear(&SolverData::incidenceCount, e.view().bodies); }
 
-/// Inertial targets and initial guesses.
+/// Inertial targets and initial guesses. Begins beside what writes pairs, with which it shares no data.
 template <Executor E> void predict(E& e) { e.beside(PredictBodies{}, e.view().bodies); }
 
 /// The incidence list of each body.

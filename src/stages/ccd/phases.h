@@ -8,10 +8,11 @@
 
 namespace rubble::RUBBLE_CORE::ccd {
 
-/// Stops fast bodies at the first thing that they would pass.
+/// Stops fast bodies at the first thing that they would pass. Begins beside contacts::finish(), with which it
+/// shares no data.
 template <Executor E> void stop(E& e) {
   const SolverData& s = e.view();
-  e.forEach(FlagFast{}, s.bodies);
+  e.beside(FlagFast{}, s.bodies);
   const bool joints = s.hasJoints();
   if (joints) {
     e.forEach(StartCcdIslands{}, s.bodies);

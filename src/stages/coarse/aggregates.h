@@ -124,15 +124,17 @@ struct MakeSlices {
   }
 };
 
-/// Flags the aggregates that contain a joint.
+/// Flags the aggregates that contain a rigid joint. It does not ask whether a tree is solved exactly, which
+/// may be found beside it.
 template <class F> struct MarkJointedAggregates {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const BlockBodies block = JointBlocks<F>::bodies(s, i);
     if (!block.active || !isDynamic(s, block.a) || !isDynamic(s, block.b)) return;
-    for (int level = JointBlocks<F>::joinLevel(s, i); level < kCoarseLevels; ++level)
+    for (int level = JointBlocks<F>::rigidLevel(s, i); level < kCoarseLevels; ++level)
       if (const int aggregate = s.aggregateOf[atLevel(s, level, block.a)];
-          aggregate >= 0 && atomicLoad(&s.aggregate[aggregate].joined) == 0)
+          aggregate >= 0 && aggregate == s.aggregateOf[atLevel(s, level, block.b)] &&
+          atomicLoad(&s.aggregate[aggregate].joined) == 0)
         atomicSet(&s.aggregate[aggregate].joined, 1);
   }
 };

@@ -19,7 +19,7 @@ template <Executor E> void clear(E& e) {
   if (s.plan.coarseCorrection) e.clear(&SolverData::nodeCount, s.nodes() * kCoarseLevels);
 }
 
-/// Finds the aggregates from the poses at x^t.
+/// Finds the aggregates from the poses at x^t: the number of that of each node.
 template <Executor E> void findAggregates(E& e) {
   const SolverData& s = e.view();
   if (!s.plan.coarseCorrection) return;
@@ -39,6 +39,13 @@ template <Executor E> void findAggregates(E& e) {
   e.scan(&SolverData::isRoot, &SolverData::aggregateIndex, all, &Counters::aggregates, Per::Aggregate);
   e.forEach(NumberAggregates{}, all);
   if (s.vertices > 0) forEachSoftBlock<FindDepths>(e);
+}
+
+/// Lists the nodes of the aggregates, and finds their centers and inertia.
+template <Executor E> void listAggregates(E& e) {
+  const SolverData& s = e.view();
+  if (!s.plan.coarseCorrection) return;
+  const int all = s.nodes() * kCoarseLevels;
   e.groupByKey(&SolverData::aggregateOf, all, &SolverData::aggregateOffset, &SolverData::aggregateNode,
                &Counters::aggregates);
   e.scan(&SolverData::aggregateSlices, &SolverData::sliceOffset, &Counters::aggregates, &Counters::slices,
@@ -48,13 +55,13 @@ template <Executor E> void findAggregates(E& e) {
   e.forEach(MakeSlices{}, &Counters::slices);
   if (s.locked) e.forEach(LockAggregates{}, all);
   forEachJoint<MarkJointedAggregates>(e);
-}
-
-/// Finds centers and inertia of the aggregates, and their boundary constraints.
-template <Executor E> void prepare(E& e) {
-  if (!e.view().plan.coarseCorrection) return;
   e.forEach(SumInertia{}, &Counters::slices);
   e.forEach(PlaceAggregates{}, &Counters::aggregates);
+}
+
+/// Finds the boundary constraints of the aggregates from the incidence lists.
+template <Executor E> void findBoundaries(E& e) {
+  if (!e.view().plan.coarseCorrection) return;
   e.forEach(CountBoundary{}, &Counters::slices);
   e.scan(&SolverData::boundaryCount, &SolverData::boundaryOffset, &Counters::slices, &Counters::boundary,
          Per::Boundary);

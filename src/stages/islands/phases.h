@@ -40,7 +40,7 @@ template <Executor E> void sleep(E& e) {
   e.forEach(FallAsleep{}, bodies);
 }
 
-/// Finds the free islands, which nothing holds. It may lack room, and therefore precedes the new poses.
+/// Finds the free islands, which nothing holds, from the incidence lists.
 template <Executor E> void findFree(E& e) {
   const SolverData& s = e.view();
   if (s.plan.literalRotations) return;
@@ -57,7 +57,7 @@ template <Executor E> void keepMomenta(E& e) {
   const SolverData& s = e.view();
   if (s.plan.literalRotations) return;
   const int bodies = s.bodies;
-  e.forEach(BeginFreeIslands{}, bodies);
+  e.beside(BeginFreeIslands{}, bodies);
   e.forEach(MeasureMomenta{}, bodies);
   e.forEach(SumMomenta{}, bodies);
   e.forEach(RepairIslands{}, &Counters::freeIslands);
