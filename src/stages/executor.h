@@ -75,7 +75,7 @@ struct Rounds {
 ///   clear(array, n)                sets n elements to zero
 ///   scan(counts, offsets, n)       exclusive prefix sums; the total follows the last one
 ///   scan(counts, offsets, n, counter, per)  stores the total in a counter too, and reserves capacity for it
-///   groupByKey(keys, n, offsets, order, counter)  counting sort of the indices modulo nodes() by
+///   groupByKey(stage, keys, n, offsets, order, counter)  counting sort of the indices modulo nodes() by
 ///                                  ascending key; negative keys are left out. The counter receives the
 ///                                  number of keys. No key occurs at two levels (index / nodes())
 ///   require(per, counter)          reserves capacity before elements are written: none is dropped
@@ -106,8 +106,8 @@ concept Executor = requires(E e, const E& still, const SolveBody<typename E::Lan
   e.scan(&SolverData::pairCount, &SolverData::pairOffset, 1, &Counters::pairs, Per::Pair);
   e.scan(&SolverData::isActive, &SolverData::activePairOffset, &Counters::pairs, &Counters::activePairs,
          Per::ActivePair);
-  e.groupByKey(&SolverData::aggregateOf, 1, &SolverData::aggregateOffset, &SolverData::aggregateNode,
-               &Counters::aggregates);
+  e.groupByKey(AnyKernel::kStage, &SolverData::aggregateOf, 1, &SolverData::aggregateOffset,
+               &SolverData::aggregateNode, &Counters::aggregates);
   e.require(Per::Color, &Counters::colors);
   e.rounds(Rounds{&Counters::clashes, &Counters::rounds}, phase(AnyKernel{}, &Counters::clashing),
            phase(AnyKernel{}, &Counters::clashing), phase<When::AtEnd>(AnyKernel{}, 1));

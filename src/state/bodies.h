@@ -327,7 +327,6 @@ struct Counters {
   int pathCells;  ///< buckets that store long paths: all of the grid, or none
   int searchers;  ///< bodies whose last search for neighbors does not hold; not all if there are many
   int allSearch;  ///< 1: all bodies search in this step, however many searchers there are
-  int restless;   ///< bodies that move too far for slack; not all if there are many
   int searched;   ///< bodies that search: the searchers, or all
   int crowded;    ///< bodies with more neighbors than slots
   int coarse, coarseBody[kMostCoarse];  ///< searchers that visit many cells, unless all search

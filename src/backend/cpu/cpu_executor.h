@@ -87,8 +87,9 @@ class CpuExecutor {
     require(per, total);
   }
 
-  void groupByKey(Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
+  void groupByKey(const char* stage, Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
                   Array<int> SolverData::*order, int Counters::*keyCount) {
+    if (timings_) clock_.enter(stage);
     const SolverData& s = view();
     countingSort_.run(s.*keys, n, s.nodes(), s.counters->*keyCount, s.*offsets, s.*order, threads_.count());
   }

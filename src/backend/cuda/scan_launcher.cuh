@@ -57,12 +57,13 @@ class ScanLauncher : protected KernelLauncher {
   }
 
   /// A stable sort. Skipped keys come after the last valid one.
-  void groupByKey(Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
+  void groupByKey(const char* stage, Array<int> SolverData::*keys, int n, Array<int> SolverData::*offsets,
                   Array<int> SolverData::*order, int Counters::*keyCount) {
     // one more value than keys distinguishes them from -1
     const int keyBits = std::bit_width(static_cast<unsigned>(capacityOf(keyCount)));
     grouped_ = std::max(grouped_, n), keyBits_ = std::max(keyBits_, keyBits);
     if (!begins()) return;
+    enterStage(stage);
     if (n > 0) {
       beside_ = true;  // nothing else uses them
       launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().nodes()}, {n, nullptr}, n,

@@ -46,8 +46,8 @@ template <Executor E> void listAggregates(E& e) {
   const SolverData& s = e.view();
   if (!s.plan.coarseCorrection) return;
   const int all = s.nodes() * kCoarseLevels;
-  e.groupByKey(&SolverData::aggregateOf, all, &SolverData::aggregateOffset, &SolverData::aggregateNode,
-               &Counters::aggregates);
+  e.groupByKey(StartAggregates::kStage, &SolverData::aggregateOf, all, &SolverData::aggregateOffset,
+               &SolverData::aggregateNode, &Counters::aggregates);
   e.scan(&SolverData::aggregateSlices, &SolverData::sliceOffset, &Counters::aggregates, &Counters::slices,
          Per::Slice);
   e.forEach(FindLevels{}, kCoarseLevels + 1);

@@ -247,7 +247,8 @@ struct FindNeighbors {
     const int world = s.worldOf(i);
     const NeighborSearch& own = s.neighborSearch[i];
     const StoreFound store{i, b.level};
-    const Real slacks = slacksNow(s, all);
+    // boxes of searches that begin together reach one slack beyond those of the bodies
+    const Real slacks = all ? Real(1) : kMostSlacks;
     const bool scanned = scanWorld(
         s, world,
         [&](int other, const Bounds& its) {
@@ -260,7 +261,7 @@ struct FindNeighbors {
           s, i, searchBox(s, b, own, level, slacks), level, inPlace ? Ahead::InPlace : Ahead::All,
           [&](int other) {
             if (!inPlace) return store(s, other, level);
-            if (slacks == Real(0) || searchesMeet(s, i, other)) storeNeighbor(s, i, other, other < i);
+            if (searchesMeet(s, i, other)) storeNeighbor(s, i, other, other < i);
           },
           lane, lanes);
     }

@@ -50,13 +50,13 @@ RUBBLE_HD inline Bounds searchBox(const SolverData& s, const Bounds& b, const Ne
 /// NeighborSearch::layer of what is in no search, and of planes of world 0; those of world w have kPlanes -
 /// w.
 inline constexpr int kOutside = -1, kPlanes = -2;
-/// What a search for the neighbors of body or plane i depends on in this step. `slacks`: share of its slack.
-RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i, Real slacks = 1) {
+/// What a search for the neighbors of body or plane i depends on in this step.
+RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i) {
   NeighborSearch search{};
   search.layer = kOutside, search.bodies = s.bodies, search.isNew = 1;
   const Bounds& b = loadUnchanging(s.bounds[i]);
   if (b.level >= 0) {
-    const Real slack = slacks * slackNow(s, b);
+    const Real slack = slackNow(s, b);
     search.layer = layerOf(s.worldOf(i), b.level);
     search.center = b.center, search.half = b.half + Vec3{slack, slack, slack};
   } else if (const BodyParams& p = s.params[i];
@@ -67,8 +67,8 @@ RUBBLE_HD inline NeighborSearch searchOf(const SolverData& s, int i, Real slacks
   return search;
 }
 /// Begins a search for the neighbors of body or plane i.
-RUBBLE_HD inline void beginSearch(const SolverData& s, int i, Real slacks = 1) {
-  storeWhole(s.neighborSearch[i], searchOf(s, i, slacks));
+RUBBLE_HD inline void beginSearch(const SolverData& s, int i) {
+  storeWhole(s.neighborSearch[i], searchOf(s, i));
 }
 /// Does a search hold for a body with the bounds `b`, in the layer of that search?
 RUBBLE_HD inline bool boxHolds(const Bounds& b, const NeighborSearch& then) {
@@ -102,15 +102,6 @@ RUBBLE_HD inline bool allSearch(const SolverData& s) {
   return s.searchesAlways || s.counters->allSearch != 0 ||
          s.counters->searchers > s.bodies / kBodiesPerSearcher;
 }
-/// Do so many bodies move far that all will search in the next step, too? Then none needs slack. Valid after
-/// BeginSearches.
-RUBBLE_HD inline bool mostAreRestless(const SolverData& s) {
-  return s.counters->restless > s.bodies / kBodiesPerSearcher;
-}
-/// By so many slacks the boxes of searches may reach beyond those of the bodies.
-RUBBLE_HD inline Real slacksNow(const SolverData& s, bool all) {
-  return !all ? kMostSlacks : mostAreRestless(s) ? Real(0) : Real(1);
-}
 
 /// Lists a body that has more neighbors than slots.
 RUBBLE_HD inline void listCrowded(const SolverData& s, int i) {
@@ -135,7 +126,6 @@ struct BeginSearches {
                          (isCoarse(s, b) && !listCoarse(s, i));
     if (withAll && atomicLoad(&s.counters->allSearch) == 0) atomicRaise(&s.counters->allSearch, 1);
     if (!allSearch(s)) s.searcher[atomicCount(&s.counters->searchers, 1)] = i;
-    if (isRestless(b) && !mostAreRestless(s)) atomicCount(&s.counters->restless, 1);
   }
 
  private:
@@ -158,9 +148,10 @@ struct ForgetSearchers {
       if (all) s.counters->crowded = 0;
     }
     NeighborSearch& search = s.neighborSearch[i];
-    if (all && (search.isNew == 0 || mostAreRestless(s)))
-      beginSearch(s, i, slacksNow(s, all));
-    else if (!all && search.isNew == 0)
+    if (search.isNew != 0) return;
+    if (all)
+      beginSearch(s, i);
+    else
       forget(s, i, search);
   }
 
