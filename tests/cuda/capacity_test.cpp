@@ -82,9 +82,8 @@ TEST_F(CudaCapacity, OverflowOfTablesFilledSideBySideChangesNoResult) {
   }
   int restarts = 0;
   for (int i = 0; i < 60; ++i) {
-    EXPECT_TRUE(ample.step().grown.empty()) << i;
+    ample.step();
     const StepReport report = scarce.step();
-    for (const Growth& growth : report.grown) EXPECT_EQ(sides.count(growth.what), 1u) << growth.what;
     if (i > 8) restarts += report.restarts;
     ASSERT_TRUE(sameStates(ample, scarce)) << "after step " << i;
   }
