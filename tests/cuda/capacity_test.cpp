@@ -30,26 +30,21 @@ TEST_F(CudaCapacity, OverflowDoesNotChangeTheResult) {
 using Kinds = std::set<std::string>;
 const Kinds kKinds = {"pairs",  "activePairs", "manifolds", "incidences",
                       "colors", "aggregates",  "slices",    "boundary"};
-/// Room for all kinds but these, which begin with one element.
-World worldBut(const Kinds& scarce) {
-  World world(mixedScene(), optionsFor("cuda"));
+/// A world with room for all kinds but these, which begin with one element.
+World worldBut(const Kinds& scarce, const Scene& scene = mixedScene()) {
+  World world(scene, optionsFor("cuda"));
   for (const std::string& kind : kKinds)
     if (scarce.count(kind) == 0) world.reserve(kind, 100'000);
   return world;
 }
-/// Hashes after each step of a world with room for all kinds.
-std::vector<std::uint64_t> hashesWithRoom(int steps) {
-  World ample = worldBut({});
-  std::vector<std::uint64_t> hashes;
-  for (int i = 0; i < steps; ++i) {
-    EXPECT_TRUE(ample.step().grown.empty()) << i;
-    hashes.push_back(ample.hash());
-  }
-  return hashes;
-}
 
 TEST_F(CudaCapacity, OverflowOfEachTableIsReportedAndChangesNoResult) {
-  const std::vector<std::uint64_t> wanted = hashesWithRoom(40);
+  World ample = worldBut({});
+  std::vector<std::uint64_t> wanted;
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_TRUE(ample.step().grown.empty()) << i;
+    wanted.push_back(ample.hash());
+  }
   for (const std::string& kind : kKinds) {
     World scarce = worldBut({kind});
     int growths = 0;
@@ -74,17 +69,13 @@ TEST_F(CudaCapacity, OverflowOfTablesFilledSideBySideChangesNoResult) {
     scene.bodies.push_back(boxAt({3. * (i % 20), 3. * (i / 20), 1.3}));
     scene.bodies.back().velocity = {0, 0, -1};
   }
-  const Kinds sides = {"incidences", "colors", "slices", "boundary"};
-  World ample(scene, optionsFor("cuda")), scarce(scene, optionsFor("cuda"));
-  for (const std::string& kind : kKinds) {
-    ample.reserve(kind, 100'000);
-    if (sides.count(kind) == 0) scarce.reserve(kind, 100'000);
-  }
+  World ample = worldBut({}, scene), scarce = worldBut({"incidences", "colors", "slices", "boundary"}, scene);
+  constexpr int kApart = 8;  // first steps, in which no boxes meet: 0.3 m at 1 m/s
   int restarts = 0;
   for (int i = 0; i < 60; ++i) {
     ample.step();
     const StepReport report = scarce.step();
-    if (i > 8) restarts += report.restarts;
+    if (i > kApart) restarts += report.restarts;
     ASSERT_TRUE(sameStates(ample, scarce)) << "after step " << i;
   }
   EXPECT_GT(restarts, 0);

@@ -18,16 +18,16 @@ class Bound {
   /// and shrinks late, to the recent maximum.
   void note(int used) {
     seen_ = std::max(seen_, used);
-    if (used > limit_) limit_ = used + std::max(kSpare, used / kGrowth);
+    if (used > limit_) limit_ = used + std::max(kLeastGrowth, used / kGrowth);
     if (++steps_ < kWindow) return;
     if (seen_ + kMostIdle < limit_) limit_ = seen_;
     seen_ = steps_ = 0;
   }
 
  private:
-  static constexpr int kWindow = 64;   ///< [steps]
-  static constexpr int kSpare = 1;     ///< least growth
-  static constexpr int kGrowth = 4;    ///< growth by a quarter
+  static constexpr int kWindow = 64;  ///< [steps]
+  static constexpr int kGrowth = 4;   ///< growth by a quarter
+  static constexpr int kLeastGrowth = 1;
   static constexpr int kMostIdle = 2;  ///< this many empty launches cost less than a capture
   int limit_, seen_ = 0, steps_ = 0;
 };

@@ -258,7 +258,7 @@ class KernelLauncher {
     work();
     --control_, options_.from = from, stream_ = stream;
   }
-  /// An event of one sequence, for which the other one waits. It stops there if the former has stopped.
+  /// An event of one sequence, and what the other one does: it waits for that, and stops if the former has.
   void tell(const StreamEvent& event) {
     flush();
     event.record(stream_);

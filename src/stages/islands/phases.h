@@ -52,7 +52,7 @@ template <Executor E> void findFree(E& e) {
   e.require(Per::FreeIsland, &Counters::freeIslands);
 }
 
-/// Restores the momenta of free islands.
+/// Restores the momenta of free islands. Begins beside what ends the step of bodies or trees.
 template <Executor E> void keepMomenta(E& e) {
   const SolverData& s = e.view();
   if (s.plan.literalRotations) return;
